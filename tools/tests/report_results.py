@@ -66,9 +66,10 @@ def judged(kind: str) -> dict[str, Any]:
     if kind in JUDGED[2:]:
         rival = kind == JUDGED[3]
         reason = (
-            "stribeck_friction (rise 0.30) explains the record as well as a fault: record current too, or ema next ACTUATOR --between csj stribeck_friction finds a command that tells them apart"
+            "Stribeck friction (stribeck_friction; rise 0.30) explains the record as well as a fault: record current too, "
+            "or ema next ACTUATOR --between csj stribeck_friction finds a command that tells them apart"
             if rival
-            else "stribeck_friction (rise 0.30) is missing from the model, beside which all signals say CSJ +39.7 %, BLK +100.3 %: "
+            else "Stribeck friction (stribeck_friction; rise 0.30) is missing from the model, beside which all signals say CSJ +39.7 %, BLK +100.3 %: "
             "ema add mine.toml stribeck_friction --fit today.csv --known -o NEW.toml puts it in"
         )
         found = {

@@ -80,7 +80,7 @@ def done(runs: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Pat
         folder / "d.toml",
     )
     assert ran.code == 0, ran.err
-    assert ran.out.startswith("Verdict: missing.\nhot.csv: missing is winding_heating (rise_degC ")
+    assert ran.out.startswith("Verdict: missing.\nhot.csv: missing is winding heating (winding_heating; rise_degC ")
     ran = run_ema(
         "add",
         REFERENCE,
@@ -207,7 +207,7 @@ def test_values_that_are_given_are_written_in_the_same_keys(tmp_path: Path) -> N
     again = tmp_path / "again.toml"
     ran = run_ema("add", new, "winding_heating", "--set", "rise_degC=40", "-o", again, "--json", tmp_path / "b.json")
     assert result(tmp_path / "b.json")["replaced"] == {"effects.winding_heating.rise_degC": 30.0}
-    assert ran.out.startswith("winding_heating was there with rise_degC = 30; it is now set to given values")
+    assert ran.out.startswith("Winding heating (winding_heating) was there with rise_degC = 30; it is now set to given values")
 
 
 def test_an_effect_that_is_there_is_refitted_and_said_so(runs: dict[str, Path], tmp_path: Path) -> None:
@@ -215,7 +215,7 @@ def test_an_effect_that_is_there_is_refitted_and_said_so(runs: dict[str, Path], 
     assert run_ema("add", REFERENCE, "winding_heating", "--set", "rise_degC=10", "-o", old).code == 0
     ran = run_ema("add", old, "winding_heating", "--known", "--fit", runs["hot"], "-o", tmp_path / "new.toml")
     assert ran.code == 0, ran.err
-    assert ran.out.startswith("winding_heating was there and is refitted, rise_degC ")
+    assert ran.out.startswith("Winding heating (winding_heating) was there and is refitted, rise_degC ")
     assert read_actuator(tmp_path / "new.toml")["winding_heating.rise_degC"] == pytest.approx(60.0, rel=0.05)
     ran = run_ema("identify", old, runs["hot"])
     assert ran.code == 0 and "is not in the model at this size" in ran.out
@@ -531,7 +531,10 @@ def test_a_healthy_run_held_out_is_said_and_no_table_made(runs: dict[str, Path],
     found = json.loads(told.read_text(encoding="utf-8"))
     assert found["verdict"] == "unknown" and not any(effect["accepted"] for effect in found["effects"])
     said = " ".join(ran.out.split())
-    assert "winding_heating would explain it, but nothing is missing on the record held out, as on a run of the healthy machine" in said
+    assert (
+        "winding heating (winding_heating) would explain it, but nothing is missing on the record held out, as on a run of the healthy machine"
+        in said
+    )
     assert "Next: give --holdout a run of the machine as it is in hot.csv" in said and "learned" not in said
 
 

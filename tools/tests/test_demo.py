@@ -162,7 +162,12 @@ def test_page_is_one_file_of_modest_size(made: tuple[Path, str]) -> None:
     assert page.count(b'data-model="before"') == page.count(b'data-model="after"') == 11
     places = [
         page.index(text)
-        for text in (b"Which effect is missing?", b"stribeck_friction added", b"the data sheet&#x27;s model", b'<section id="paper"')
+        for text in (
+            b"Which effect is missing?",
+            b"Stribeck friction (stribeck_friction) added",
+            b"the data sheet&#x27;s model",
+            b'<section id="paper"',
+        )
     ]
     assert places[0] < places[3] and places[2] < places[3]
     # what follows each result can be typed as it stands

@@ -16,10 +16,13 @@ from diagnosis_results import BINS, COMMAND, KINDS, diagnosis, diagnosis_page
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
 from ema_tools.tasks.workbench import bench
-from ema_tools.words.page import charts, first_screen, heat, names, sheet, signals, uplot
+from ema_tools.words.page import charts, comparison_page, first_screen, heat, names, sheet, signals, uplot
 from ema_tools.words.page import diagnosis_page as page_of
+from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed
-from ema_tools.words.page.results import parse_result
+from ema_tools.words.page.results import ShownComparison, parse_result
+from ema_tools.words.page.workbench import why_not
+from report_results import compared_whole
 from support import RECORDINGS
 from test_report_page import _structure, _without_scripts
 
@@ -74,7 +77,63 @@ def test_next_command_has_the_paths_that_were_given() -> None:
     assert said(diagnosis("healthy")).replies[-1].command == "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv'"
     line = sheet.line_of(COMMAND)
     assert line is not None and line.options["--json"] == ("d.json",)
+    # as the shell expands a pattern
+    many = sheet.line_of("ema diagnose a.toml today.csv --healthy h1.csv h2.csv h3.csv --force --json d.json")
+    assert many is not None and many.records == ("today.csv",) and many.options["--healthy"] == ("h1.csv", "h2.csv", "h3.csv")
+    assert many.again("--healthy", "--json") == ["--healthy", "h1.csv", "h2.csv", "h3.csv", "--json", "d.json"]
+    behind = sheet.line_of("ema identify a.toml --healthy h1.csv h2.csv today.csv")
+    assert behind is not None and (behind.actuator, behind.records, behind.options["--healthy"]) == (
+        "a.toml",
+        ("today.csv",),
+        ("h1.csv", "h2.csv"),
+    )
+    before = sheet.line_of("ema diagnose --healthy h1.csv h2.csv a.toml today.csv")
+    assert before is not None and (before.actuator, before.records, before.options["--healthy"]) == (
+        "a.toml",
+        ("today.csv",),
+        ("h1.csv", "h2.csv"),
+    )
     assert sheet.line_of("ema report x.json -o y.html") is None and sheet.line_of("ema 'unclosed") is None
+
+
+def test_where_nothing_is_named_the_nearest_effects_are_and_how_far_off_they_are() -> None:
+    data = diagnosis("unknown")
+    (rival,) = data["effects"]
+    data["effects"] = [rival, {**rival, "name": "supply_sag", "class": ["supply_sag"], "score": 0.5 * rival["score"]}]
+    told = said(data).replies[2]
+    tried = sorted((one.left, one.entry.name) for one in first_screen.candidates(parsed(data)) if one.left is not None)
+    assert len(tried) >= 2 and data["error"]["floor"] > 0.0
+    (left, name), (worse, other) = tried[:2]
+    assert (
+        f"nearest is {names.within(name)}, which leaves {words.number(left / data['error']['floor'], 2)} times the noise level" in told.more
+    )
+    assert f"next best {names.within(other)}, {words.number(worse / left, 2)} times its error" in told.more
+    bare = said({**data, "effects": []}).replies[2]
+    assert bare.more.endswith("no effect that was tried takes anything off")
+
+
+def test_what_follows_a_model_that_holds_is_told_alike_on_every_page() -> None:
+    read = said(diagnosis("healthy")).replies[-1]
+    other = sheet.read_sizes(sheet.CommandLine("mine.toml", ("today.csv",), {}))
+    assert (read.question, read.short, read.more) == (other.question, other.short, other.more)
+    data = compared_whole()
+    explained = {name: {**one, "excess_percent": 0.0} for name, one in data["balances"].items()}
+    whole = parse_result({**data, "balances": explained}, "c.json", "c")
+    assert isinstance(whole, ShownComparison)
+    followed = comparison_page.first_screen(whole).replies[-1]
+    assert (followed.question, followed.short, followed.more) == (read.question, read.short, read.more)
+
+
+def test_a_rung_that_cannot_be_simulated_says_why() -> None:
+    data = diagnosis("missing")
+    data = {key: one for key, one in data.items() if key != "workbench"}
+    page = page_of.render(parsed(data), "ema report")
+    ladder = page[page.index('<section id="ladder"') :]
+    ladder = ladder[: ladder.index("</section>")]
+    rungs = len(data["steps"]) + (data["steps"][0]["added"] != "as given")
+    assert "data-load" not in ladder and ladder.count('<small class="why">not simulated on this page</small>') == rungs
+    assert "No rung can be loaded" in ladder
+    assert why_not(None, {}, True) == "balance only, not simulated"
 
 
 def test_a_record_that_cannot_answer_is_no_verdict() -> None:

@@ -185,7 +185,7 @@ def test_the_command_line_names_it_adds_it_and_reports_the_fault(tmp_path: Path)
     ran = run_ema("identify", REFERENCE, record, "--json", tmp_path / "i.json")
     assert ran.code == 0, ran.err
     assert ran.out.startswith("Undecided: the search reads CSJ ")
-    assert "winding_heating (rise_degC " in ran.out and "--known" in ran.out
+    assert "winding heating (winding_heating; rise_degC " in ran.out and "--known" in ran.out
     result = json.loads((tmp_path / "i.json").read_text(encoding="utf-8"))
     missing = result["missing_effect"]
     assert (missing["name"], missing["class"]) == ("winding_heating", ["winding_heating"])

@@ -118,11 +118,28 @@ def test_a_record_that_cannot_tell_is_recorded_again() -> None:
 
 def test_a_sensor_that_errs_is_named() -> None:
     data = judged(MISSING)
-    why = "what is there looks like the sensor of the current, not like the machine: current_A reads 1.1 times the signal"
-    data |= {"missing_effect": None, "reasons": [why], "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"}}
+    # told by the field, whatever the reason says
+    sensor = {
+        "channel": "current_A",
+        "share": 0.95,
+        "cost": 1.0,
+        "factor": 1.1,
+        "offset": 0.0,
+        "late_s": 0.0,
+        "sentence": "it reads 1.1 times",
+        "next": "check it",
+    }
+    data |= {
+        "missing_effect": None,
+        "reasons": ["why"],
+        "sensor": sensor,
+        "guard": {**data["guard"], "verdict": "unknown", "objection": "unknown"},
+    }
     found = said(data)
-    assert found.sentence == "No verdict: it looks as if the sensor of the current is at fault."
+    assert found.sentence == "No verdict: it looks as if the sensor of the motor current is at fault."
     assert (found.replies[2].short, found.replies[-1].short) == ("Nothing in the machine", "Check the sensor")
+    data |= {"sensor": None, "reasons": ["what is there looks like the sensor of the current (current_A), not like the machine"]}
+    assert said(data).replies[-1].short != "Check the sensor"
 
 
 def test_a_size_stands_where_it_belongs() -> None:
@@ -168,7 +185,7 @@ def test_every_fact_stands_on_it(tmp_path: Path) -> None:
     }  # fmt: skip
     text = text_of(page_of(tmp_path, data))
     for fact in (
-        "stribeck_friction (rise 0.30) is missing from the model", "ema add mine.toml stribeck_friction", "rise 0.300 ± 0.010", "CSJ 0.1928 Nm (+39.7 %)",
+        "Stribeck friction (stribeck_friction; rise 0.30) is missing from the model", "ema add mine.toml stribeck_friction", "rise 0.300 ± 0.010", "CSJ 0.1928 Nm (+39.7 %)",
         "held against rod position, motor position at the rod, motor current and motor voltage", "This record does not determine BLK: why.",
         "0.2050 Nm", "healthy 0.1380 Nm", "± 0.19 %", "Healthy values from 3 healthy records: CSJ 0.1380 Nm (0.13780 … 0.13820)", "over 2 seeds",
         "2.30 µm rms of the rod position are left", "motor.resistance_ohm", "only together with screw.csj_Nm", "7 model runs in 0.070 s", "2.00×10⁶ model steps",

@@ -183,7 +183,7 @@ def test_the_command_says_names_and_writes_it(tmp_path: Path) -> None:
     files, actuator, new = written(tmp_path, runs(placed=0.25, lag_s=0.002)), tmp_path / "axis.toml", tmp_path / "new.toml"
     ran = run_ema("diagnose", actuator, *files, "--fitted", new, "--json", tmp_path / "found.json")
     assert ran.code == 0, ran.err
-    assert "missing is position_friction" in ran.out
+    assert "missing is position friction (position_friction" in ran.out
     better = read_actuator(new, complete=False)
     # beside an effect of another form than the table's
     assert better.drive_lag_s == pytest.approx(0.002, rel=0.25)

@@ -185,7 +185,7 @@ def test_identify_writes_and_shows_them(tmp_path: Path) -> None:
     record = RECORDINGS / "case_a_noisy.csv"
     ran = run_ema("identify", REFERENCE, record, "--no-guard", "--values", "screw.csj_Nm,screw.blk_mm,motor.resistance_ohm", "--json", out)
     assert ran.code == 0, ran.err
-    assert "Of 3 values searched at once by position_mm, motor_position_mm, current_A, voltage_V the record determines 3" in ran.out
+    assert "Of 3 values searched at once by rod position, motor position, current, voltage the record determines 3" in ran.out
     written = json.loads(out.read_text(encoding="utf-8"))
     assert list(written["values"]) == ["screw.csj_Nm", "screw.blk_mm", "motor.resistance_ohm"]
     csj = written["values"]["screw.csj_Nm"]

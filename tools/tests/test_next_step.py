@@ -66,7 +66,7 @@ def test_what_a_reason_has_said_is_not_said_again() -> None:
     say_next(console, found)
     # the reason itself names the command that puts the effect in
     assert text_of(console) == ""
-    other = result_of({**to_json(found), "reasons": ["stribeck_friction (rise 0.30) is missing from the model"]}, "x")
+    other = result_of({**to_json(found), "reasons": ["Stribeck friction (stribeck_friction; rise 0.30) is missing from the model"]}, "x")
     assert isinstance(other, IdentificationResult)
     say_next(console, other)
     assert text_of(console).startswith("Next: ask without the healthy records: ema identify mine.toml today.csv")

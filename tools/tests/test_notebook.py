@@ -39,7 +39,7 @@ def test_the_notebook_tells_the_story() -> None:
         os.chdir(before)
     said = printed.getvalue()
     assert "in the mechanical balance" in said
-    assert "missing is stribeck_friction" in said
+    assert "missing is Stribeck friction (stribeck_friction; rise" in said
     assert said.rstrip().splitlines()[-1].startswith("Fault: CSJ +")
     (picture,) = [one for one in shown if isinstance(one, NotebookPicture)]
     assert "+ stribeck_friction" in picture._repr_svg_()

@@ -20,6 +20,7 @@ from ema_tools.data.records import Record
 from ema_tools.tasks.diagnose import answer
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.words.answers.diagnosis import diagnosis
+from ema_tools.words.answers.identification import identification
 from ema_tools.words.sentences.identification import reasons, sentence
 
 pytestmark = pytest.mark.slow
@@ -75,13 +76,19 @@ def _saturates(run: Recording) -> Recording:
 
 @pytest.mark.parametrize(
     ("errs", "said"),
-    [(_sticks, "shows in the rod position alone"), (_jumps, "shows in the rod position alone"), (_saturates, "shows in the current alone")],
+    [
+        (_sticks, "shows in the rod position (position_mm) alone"),
+        (_jumps, "shows in the rod position (position_mm) alone"),
+        (_saturates, "shows in the current (current_A) alone"),
+    ],
 )
 def test_a_sensor_that_errs_in_its_own_way_is_suspected(errs: Callable[[Recording], Recording], said: str) -> None:
     found = _identified(errs(_today()))
     assert found.verdict == "undecided" and found.checked is not None and found.checked.sensor is not None
     assert len(reasons(found)) >= 1 and said in reasons(found)[0] and "record again" in reasons(found)[0]
     assert said in _diagnosed(errs(_today()))
+    sensor = identification(found, "today.csv", {}).sensor
+    assert sensor is not None and sensor.channel == found.checked.sensor.channel and sensor.sentence in reasons(found)[0]
 
 
 def test_rows_that_were_not_taken_evenly_are_the_clock_s() -> None:

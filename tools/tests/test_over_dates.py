@@ -102,11 +102,19 @@ def test_the_page_shows_every_reading(tmp_path: Path) -> None:
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     section = page[page.index('<section id="dates"') : page.index('<section id="result-1"')]
     assert section.count("<svg") == 2 and section.count('<tr><th scope="row">2026-05-') == 9
+    # a key for each series that is drawn
+    assert re.findall(r'data-show="(\w+)"', section) == ["reading", "open", "healthy", "threshold"] + ["limit"] * ("s-limit" in section) + [
+        "since"
+    ] * ("s-since" in section) + ["life"] * ("s-life" in section)
     csj = section[section.index("CSJ, static dry friction, days since 2026-05-01") :]
-    assert re.search(r'class="dots after big"[^>]* d="(?:M[\d.]+ [\d.]+h0){8}"', csj) and re.search(
-        r'class="dots open big"[^>]* d="M[\d.]+ [\d.]+h0"', csj
+    assert re.search(r'class="dots after s-reading big"[^>]* d="(?:M[\d.]+ [\d.]+h0){8}"', csj) and re.search(
+        r'class="dots open s-open big"[^>]* d="M[\d.]+ [\d.]+h0"', csj
     )
-    assert csj.index('class="band healthy"') < csj.index('class="threshold thin"') < csj.index('class="band after"')
+    assert (
+        csj.index('class="band healthy s-healthy"')
+        < csj.index('class="threshold thin s-threshold"')
+        < csj.index('class="band after s-reading"')
+    )
 
 
 @pytest.mark.slow

@@ -97,6 +97,19 @@ def test_the_page_is_drawn(width: int, browser: Any, tmp_path: Path) -> None:  #
         == page.locator("#response-current_A").get_attribute("data-view")
     )
     assert page.locator("#csj-position").get_attribute("data-view") is None
+    # each curve has its key, which switches it in its own plot and in what the crosshair reads
+    key = page.locator('input[data-of="response-position_mm"][data-show="command"]')
+    key.focus()
+    page.keyboard.press("Space")
+    plot = page.locator("#response-position_mm .u-over")
+    plot.hover()
+    read = page.locator("#response-position_mm + .values")
+    page.wait_for_timeout(100)
+    assert "healthy" in read.inner_text() and "command" not in read.inner_text()
+    key.check()
+    plot.hover(position={"x": 40, "y": 40})
+    page.wait_for_timeout(100)
+    assert "command" in read.inner_text()
     assert complaints == []
     context.close()
 

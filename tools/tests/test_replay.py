@@ -137,7 +137,7 @@ def test_the_command_says_what_the_flight_said(flight: Flight, tmp_path: Path) -
     assert found["verdict"] == VERDICTS[flight.whole[3]]
     assert found["table"]["kind"] == FINDINGS[int(flight.found[0])]
     assert found["guard"] is None
-    assert ("missing is inverter_dead_time" in ran.out) == (found["table"]["kind"] == "missing")
+    assert ("missing is inverter dead time (inverter_dead_time; size" in ran.out) == (found["table"]["kind"] == "missing")
     if found["table"]["kind"] == "missing":
         assert any("table of signatures" in reason for reason in found["reasons"])
 

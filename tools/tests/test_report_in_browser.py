@@ -10,9 +10,13 @@ from typing import Any
 
 import pytest
 
+from ema_tools.tasks.history import histories
+from ema_tools.words.answers.fleet import fleet_result
 from ema_tools.words.page import write_report
+from ema_tools.words.page.fleet import fleet_page, unit_page
 from in_browser import LAPTOP, PHONE, SMALL, hindrances, launched, not_reached
 from report_results import JUDGED, compared, identified, judged, mapped
+from test_fleet import LIMITS, drifting
 from test_report_diagnosis import made
 
 
@@ -91,6 +95,86 @@ def test_what_is_zoomed_in_one_is_zoomed_in_all_of_its_result(opened: Any) -> No
     page.wait_for_timeout(100)
     assert "measured" in page.locator('[data-curves="result-2"] .values').first.inner_text()
     assert complaints == []
+
+
+# What is drawn of one result, plot by plot.
+_DRAWN = """(of) => [...document.querySelectorAll(`[data-curves="${of}"] .main canvas, [data-curves="${of}"] .rest canvas`)].map((one) => one.toDataURL())"""
+
+
+def test_a_series_of_curves_is_switched_by_its_key_in_its_own_result_alone(opened: Any) -> None:
+    page, complaints = opened(identified(name="a"), identified(name="b"))
+    drawn = lambda of: page.evaluate(_DRAWN, of)  # noqa: E731
+    first, other = drawn("result-1"), drawn("result-2")
+    key = page.locator('input[data-of="result-1"][data-show="measured"]')
+    # by the keyboard
+    key.focus()
+    page.keyboard.press("Space")
+    page.wait_for_timeout(100)
+    without = drawn("result-1")
+    assert [now != before for now, before in zip(without, first, strict=True)] == [True, False] * 6 and drawn("result-2") == other
+    # by a click on the key's words
+    page.locator('label:has(input[data-of="result-1"][data-show="after"])').click()
+    page.wait_for_timeout(100)
+    assert [now != before for now, before in zip(drawn("result-1"), without, strict=True)] == [False] * 6 + [True] * 6
+    for one in ("measured", "after"):
+        page.locator(f'input[data-of="result-1"][data-show="{one}"]').check()
+    page.wait_for_timeout(100)
+    assert drawn("result-1") == first and complaints == []
+
+
+def test_a_series_of_a_picture_is_switched_by_its_key(opened: Any) -> None:
+    page, complaints = opened(mapped())
+    figures = page.locator("#law figure")
+    key = figures.nth(0).locator('input[data-show="after"]')
+    drawn = [figures.nth(place).locator(".picture .r-after").first for place in (0, 1)]
+    assert drawn[0].is_visible() and drawn[1].is_visible()
+    key.focus()
+    page.keyboard.press("Space")
+    assert not drawn[0].is_visible() and drawn[1].is_visible() and figures.nth(0).locator(".picture .r-before").first.is_visible()
+    key.check()
+    assert drawn[0].is_visible() and complaints == []
+
+
+def _shown(page: Any, series: str) -> int:
+    """Parts of a series that are not hidden; one of no height is no less there."""
+    found: int = page.locator(f"svg .s-{series}").evaluate_all("(all) => all.filter((one) => one.getClientRects().length).length")
+    return found
+
+
+def test_a_series_of_a_fleet_and_of_its_units_is_switched_without_a_script(browser: Any, tmp_path: Path) -> None:
+    rows = [*drifting("wears", 1.2, 3), *drifting("still", 0.0, 2)]
+    units = histories(rows, LIMITS)
+    found = fleet_result(units, LIMITS, 0.01, len(rows), 2.0, {})
+    (tmp_path / "fleet.html").write_text(fleet_page(found, {"wears": "w.html", "still": "s.html"}, "ema fleet"), encoding="utf-8")
+    (tmp_path / "unit.html").write_text(unit_page(found.units[0], units[0].rows, "fleet.html", "ema fleet"), encoding="utf-8")
+    context = browser.new_context(offline=True, viewport=PHONE)
+    for name, charts in (("fleet", 4), ("unit", 2)):
+        page = context.new_page()
+        page.goto((tmp_path / f"{name}.html").as_uri())
+        assert (
+            page.locator("svg.chart").count() == charts
+            and _shown(page, "reading") >= 3 * charts
+            and _shown(page, "limit") == _shown(page, "life") == 1
+        )
+        # a key stands there for what is drawn, and for nothing else
+        assert page.locator("input[data-show]").evaluate_all("(all) => all.map((one) => one.dataset.show)") == [
+            "reading",
+            "limit",
+            "since",
+            "life",
+        ]
+        page.locator('input[data-show="reading"]').focus()
+        page.keyboard.press("Space")
+        assert _shown(page, "reading") == 0 and _shown(page, "limit") == _shown(page, "life") == 1
+        page.locator('label:has(input[data-show="life"])').click()
+        assert _shown(page, "life") == 0 and _shown(page, "since") == 1
+        page.locator('input[data-show="reading"]').check()
+        assert _shown(page, "reading") >= 3 * charts
+        assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
+        # on a phone each cell has its head beside it
+        assert page.locator("tbody td[data-head]").count() == page.locator("tbody td").count() > 0
+    assert all(hindrances(page) == [] for page in context.pages)
+    context.close()
 
 
 def test_a_moment_of_a_diagnosis_zooms_its_curves(opened: Any) -> None:

@@ -76,7 +76,7 @@ def test_physics_and_nothing_are_not(changes: dict[str, float]) -> None:
 def test_the_answer_says_so_and_what_to_do() -> None:
     found = answer(reference_actuator(), replace(run(9), current_A=1.2 * np.asarray(run(9).current_A)), repeats())
     assert found.verdict == "unknown" and found.effects == ()
-    assert "looks like the sensor of the current, not like the machine: current_A reads 1.2 times the signal" in sentence(found)
+    assert "looks like the sensor of the current (current_A), not like the machine: it reads 1.2 times the signal" in sentence(found)
     assert next_step(found) == "Next: check the sensor of the current (scale, zero, delay) and record again."
     told = diagnosis(found, {}).sensor
     assert told is not None and told.channel == "current_A"

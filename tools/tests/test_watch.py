@@ -182,6 +182,24 @@ def test_an_interrupt_ends_it_with_what_was_found(tmp_path: Path, monkeypatch: p
 
 
 @pytest.mark.slow
+def test_an_undecided_recording_is_told_in_a_short_sentence_with_its_reasons_below(tmp_path: Path) -> None:
+    path, clock, actuator = tmp_path / "r.csv", Clock(), read_actuator(REFERENCE)
+    watch = Watch(actuator, Growing(path), clock=clock)
+    append(path, (RECORDINGS / "story" / "today.csv").read_bytes().splitlines(keepends=True))
+    watch.step()
+    clock.now = 9.0
+    watch.step()
+    told = state(watch.seen, actuator, "r.csv")
+    assert told["headline"].startswith("Undecided: the search reads CSJ +") and told["headline"].endswith("%, which does not stand.")
+    assert len(told["headline"]) < 90
+    named = next(one for one in told["details"] if "stribeck_friction" in one)
+    # what is to be typed has its files, as everywhere
+    assert named.startswith("Stribeck friction (stribeck_friction; rise ") and "--fit r.csv" in named and "ACTUATOR" not in named
+    # no finer than its interval, which is wide here
+    assert all(one["told"].endswith("; does not stand") and "." not in one["shown"] for one in told["values"])
+
+
+@pytest.mark.slow
 def test_the_page_follows_in_a_browser(tmp_path: Path) -> None:
     with launched() as opened:
         path, clock = tmp_path / "r.csv", Clock()
@@ -209,8 +227,12 @@ def test_the_page_follows_in_a_browser(tmp_path: Path) -> None:
         watch.step()
         shown.wait_for_selector("body[data-phase=judged]")
         shown.wait_for_function("seen => document.body.dataset.version === String(seen)", arg=watch.seen.version)
-        assert shown.inner_text("#headline") == state(watch.seen, actuator, "r.csv")["headline"]
+        assert shown.inner_text("#headline").replace("\u00a0", " ") == state(watch.seen, actuator, "r.csv")["headline"]
         assert shown.evaluate("() => document.documentElement.scrollWidth") <= 390
+        # a key switches its series in every plot
+        shown.locator('input[data-show="measured"]').focus()
+        shown.keyboard.press("Space")
+        assert not shown.locator('input[data-show="measured"]').is_checked() and shown.locator('input[data-show="after"]').is_checked()
         assert not complaints
         server.close()
         shown.wait_for_function("() => document.getElementById('state').textContent.includes('has ended')")

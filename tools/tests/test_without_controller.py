@@ -274,7 +274,7 @@ def test_healthy_records_by_the_command(folder: Path) -> None:
     result = json.loads((folder / "h.json").read_text(encoding="utf-8"))
     assert [one["name"] for one in result["effects"] if one["accepted"]] == ["constant_load"]
     assert len(result["healthy"]["records"]) == 5 and not result["healthy"]["uncertain"]
-    assert "against 5 healthy records: missing is constant_load" in ran.out.replace("\n", " ")
+    assert "against 5 healthy records: missing is constant load (constant_load" in ran.out.replace("\n", " ")
     assert "What has changed?" in (folder / "h.html").read_text(encoding="utf-8")
     ran = run_ema("diagnose", folder / "machine.toml", folder / "healthy" / "run_11.csv", "--healthy", folder / "healthy")
     assert complaint(ran).startswith("run_11.csv: healthy is the record itself")

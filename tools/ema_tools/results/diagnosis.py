@@ -14,6 +14,7 @@ from ema_tools.results.parts import (
     ErrorsEntry,
     ForwardErrors,
     Provenance,
+    Sensor,
     StepEntry,
     WeightedErrors,
 )
@@ -25,20 +26,6 @@ Verdict = Literal["adequate", "missing", "unknown"]
 Method = Literal["balance", "simulation"]
 # Of the balance's floor: how far laps are from each other, what is left of healthy records, how far records are from each other in the same motion, noise alone.
 FloorFrom = Literal["laps", "healthy records", "estimate", "noise"]
-
-
-@dataclass(frozen=True)
-class Sensor:
-    """The sensor that the unknown looks like: it reads factor times the signal plus offset, late."""
-
-    channel: str
-    share: float  # of the excess, 0..1
-    cost: float  # what stays, units of cost
-    factor: float
-    offset: float  # in the signal's unit
-    late_s: float
-    sentence: str
-    next: str  # what to do
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
-from ema_tools.results.parts import CurvesEntry, Provenance
+from ema_tools.results.parts import CurvesEntry, Provenance, Sensor
 from ema_tools.results.workbench import BenchEntry
 
 # Values that can be identified.
@@ -195,6 +195,7 @@ class IdentificationResult:
     adequate: bool = False  # whether the model explains the record
     reasons: tuple[str, ...] = ()  # why it is undecided
     missing_effect: MissingEffect | None = None  # None where nothing stands behind the estimates
+    sensor: Sensor | None = field(default=None, metadata=SPARE)  # whose own error what is unknown looks like; None where none is suspected
     guard: Guard | None = None  # None where nobody looked
     table: TableFinding | None = None  # None where no table was given
     sentence: str = ""

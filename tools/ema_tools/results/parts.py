@@ -87,7 +87,7 @@ class StepEntry:
     # the same with what scatters no farther than is credible, which is what one reads: wear is no scatter; None in older files, and by the balance
     told_training: float | None = field(default=None, metadata=SPARE)
     told_holdout: float | None = field(default=None, metadata=SPARE)
-    # what makes this model of the first, by full name: its effects, and what scatters as far as it moved; None in older files, and by the balance
+    # what makes this model of the first, by full name: its effects, and what scatters as far as it moved, by the balance its base values; None in older files, and where they were not kept
     values: dict[str, float] | None = field(default=None, metadata=SPARE)
 
     @property
@@ -131,6 +131,20 @@ class EffectEntry:
     # of a changed CSJ or BLK: in % of the healthy machine's, with the ends of its 95 % interval
     shift_percent: float | None = field(default=None, metadata=SPARE)
     shift_interval95: tuple[float | None, float | None] | None = field(default=None, metadata=SPARE)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """The sensor that the unknown looks like: it reads factor times the signal plus offset, late."""
+
+    channel: str  # time_s where it is the recorder's clock
+    share: float  # of the excess, 0..1
+    cost: float  # what stays, units of cost
+    factor: float
+    offset: float  # in the signal's unit
+    late_s: float
+    sentence: str
+    next: str  # what to do
 
 
 @dataclass(frozen=True)

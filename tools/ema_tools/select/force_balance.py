@@ -27,6 +27,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.display_names import coded, value_coded
 from ema_tools.library.registry import called, named, record_of
 from ema_tools.library.torques import Shape
 from ema_tools.select.balance_bench import (
@@ -182,7 +183,7 @@ class ForceSearch:
             return ONE_MOTION
         texture = next((one.effect for one in accepted.patterns if is_texture(accepted.samples.setting, one.effect, one.shape)), "")
         if texture and self.bench.division.by != "record" and is_texture(accepted.samples.setting, effect, known[0].shape):
-            return f"{texture} was accepted, and one record of one motion does not tell textures along the way apart: record another motion"
+            return f"{coded(texture)} was accepted, and one record of one motion does not tell textures along the way apart: record another motion"
         return ""
 
     def tried(self, accepted: Fitted, effect: str, asked: bool = False) -> Tried | Refusal:
@@ -243,8 +244,8 @@ class ForceSearch:
         if not np.any(columns):
             return NOT_HERE
         name = MECHANICAL_PARAMETERS[int(np.argmax(np.abs(base.T @ columns[:, 0]) / np.maximum(np.linalg.norm(base, axis=0), 1e-300)))]
-        shown = load_effect() if name == LOAD and self.bench.load_named else name
-        return f"no gain over {shown}, which is refitted at every step and takes the same torque up"
+        taker = coded(load_effect()) if name == LOAD and self.bench.load_named else value_coded(name)
+        return f"no gain over {taker}, which is refitted at every step and takes the same torque up"
 
     def constant(self) -> tuple[Tried, Fitted, str]:
         """The change of the constant torque as the first effect, the base values without it, and why it is not added."""
@@ -295,7 +296,7 @@ class ForceSearch:
         """Why an effect that was fitted, judged, should not be added; empty when it should."""
         beyond = [name for name in self.bench.at_ends(fit) if name not in self.bench.at_ends(accepted)]
         if beyond:
-            return f"beside it {beyond[0]} would lie on an end of where it may be"
+            return f"beside it {value_coded(beyond[0])} would lie on an end of where it may be"
         return self.judge.refusal(accepted, self._tried(accepted, effect, fit))
 
     def round(self, accepted: Fitted, share: float) -> tuple[list[Tried], list[Refusal]]:
@@ -305,7 +306,9 @@ class ForceSearch:
         left = [one for one in self.effects if one not in here and one not in general and record_of(one).special_case not in here]
         added: list[Tried] = []
         refused = [
-            Refusal(one, f"{called(general[one])} was accepted, of which it is a special case") for one in self.effects if one in general
+            Refusal(one, f"{coded(called(general[one]))} was accepted, of which it is a special case")
+            for one in self.effects
+            if one in general
         ]
         for effect in self.effects:
             if effect not in here and record_of(effect).special_case in here:
@@ -333,7 +336,8 @@ class ForceSearch:
                 added.append(judged)
         needless = [one for one in added if self.needless(one, added)]
         refused += [
-            Refusal(one.effect, f"{record_of(one.effect).special_case} does nearly as much with one value less") for one in needless
+            Refusal(one.effect, f"{coded(called(record_of(one.effect).special_case))} does nearly as much with one value less")
+            for one in needless
         ]
         return sorted((one for one in added if one not in needless), key=lambda one: -one.gain), refused
 
@@ -347,7 +351,7 @@ class ForceSearch:
         judged = replace(found, fit=self.bench.judged(found.fit))
         gain = self._gain(accepted, judged.fit)
         if self.judge.slight(accepted, gain):
-            why = f"{special} was accepted, which does nearly as much with one value less"
+            why = f"{coded(special)} was accepted, which does nearly as much with one value less"
         else:
             why = self.judge.refusal(without, judged)
         return _refused(judged, why) if why else replace(judged, gain=gain)
@@ -442,6 +446,7 @@ class ForceSearch:
             (foretold_percent(bench, first), foretold_percent(bench, accepted)),
             base_values(actuator, bench, bench.stated(accepted)),
             float(np.ptp(states.angle_rad)) / (2.0 * math.pi),
+            first.values,
         )
 
     def patterns_bend(self, effect: str) -> bool:
@@ -662,7 +667,7 @@ def _improved(
         alike = _class_of(best, added) if pair is None else ()
         special = record_of(best.effect).special_case
         if special and any(one.effect == special for one in before.patterns):
-            needless.append(Refusal(special, f"a special case of {called(best.effect)}, which came later and does more"))
+            needless.append(Refusal(special, f"a special case of {coded(called(best.effect))}, which came later and does more"))
         accepted = bench.judged(search.finished(best.fit, bent))
         accepted, instead = search.simplified(accepted)
         steps.append(
@@ -670,7 +675,7 @@ def _improved(
         )
         steps = [_renamed(one, instead) for one in steps]
         accepted, dropped = search.pruned(accepted)
-        needless += [Refusal(name, f"needless beside {steps[-1].effect}, which came later") for name in dropped]
+        needless += [Refusal(name, f"needless beside {coded(called(steps[-1].effect))}, which came later") for name in dropped]
     if steps and accepted.errors.training > _NO_MODEL:
         why = f"with what was found {accepted.errors.training:.3g} % of the drive stays: too much for a name"
         needless += [Refusal(step.effect, why, _of(step.effect, step.values), _of(step.effect, step.std), step.errors) for step in steps]

@@ -14,6 +14,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import PART, PARTS
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.display_names import value_coded
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import WIDEST_SPOT
 from ema_tools.select.balance_bench import INERTIA, Bench, Fitted, floor_of
@@ -61,7 +62,7 @@ class Judge:
         if beyond:
             return f"beside it {beyond}"
         if INERTIA in bench.at_ends(fit) and INERTIA not in bench.at_ends(accepted):
-            return f"beside it {INERTIA} would lie on an end of where it may be"
+            return f"beside it {value_coded(INERTIA)} would lie on an end of where it may be"
         if another := self.another(fit, tried.effect):
             return another
         size = load_definitions().effect(tried.effect).size.name
@@ -72,7 +73,7 @@ class Judge:
         if abs(fit.values[size]) < AGREED_STD * apart:
             return f"the records do not agree on its size {fit.values[size]:.3g}: leaving one out after another it is off by {apart:.2g}, one standard error"
         if _at_bound(size, fit.values[size]):
-            return f"at a bound: {size} = {fit.values[size]:.3g}"
+            return f"at a bound: {value_coded(size)} = {fit.values[size]:.3g}"
         # every part held out once
         change = (bench.held_out(accepted) ** 2 - bench.held_out(fit) ** 2)[bench.sliding]
         if not self._falls(change):
@@ -150,7 +151,7 @@ class Judge:
         record = record_of(effect)
         size = load_definitions().effect(effect).size.name
         if record.adds and fit.values[size] < 0.0:
-            return f"{size} would be {fit.values[size]:.3g}: less than none of it is another effect"
+            return f"{value_coded(size)} would be {fit.values[size]:.3g}: less than none of it is another effect"
         local = record.local
         if local is not None and local.spot:
             width, stroke = fit.values[f"{effect}.{local.spot}"], float(np.ptp(fit.samples.setting.states.screw_mm))
@@ -201,7 +202,7 @@ def outside(fit: Fitted, effect: str = "") -> str:
             continue
         row = row_of(name)
         if not row.lower <= value <= row.upper:
-            return f"{name} would be {value:.3g}, outside {row.lower:g} .. {row.upper:g}{' ' + row.unit if row.unit else ''}"
+            return f"{value_coded(name)} would be {value:.3g}, outside {row.lower:g} .. {row.upper:g}{' ' + row.unit if row.unit else ''}"
     return ""
 
 

@@ -42,7 +42,8 @@ class ForceSteps:
     """The whole answer: the actuator with everything that was accepted, the errors of the given model and of its refitted base values, the steps, what was refused, the floor in %,
     NaN where no lap is repeated, and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture;
     `estimated`: the floor where no lap is repeated; `foretold`: error in % of the drive that the refitted base values, and the last model, foretell from the motion alone;
-    `base`: the base values of the last model; `motor_turns`: over which the motor moved in all records."""
+    `base`: the base values of the last model; `motor_turns`: over which the motor moved in all records;
+    `refitted_values`: the base values refitted before any effect, by name."""
 
     actuator: Actuator
     given: FoldErrors
@@ -57,6 +58,7 @@ class ForceSteps:
     foretold: tuple[float, float]
     base: tuple[BaseValue, ...] = ()
     motor_turns: float = math.inf
+    refitted_values: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def errors(self) -> FoldErrors:

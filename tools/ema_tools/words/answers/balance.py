@@ -29,7 +29,7 @@ from ema_tools.select.healthy_balance import HealthyByBalance
 from ema_tools.select.value_changes import Change
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
-from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward
+from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward, loads
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.balance import next_step, sentence
 from ema_tools.words.sentences.base_values import contradiction
@@ -170,12 +170,12 @@ def friction(actuator: Actuator, fastest_rad_s: float) -> result.FrictionShape |
 def _steps(way: ForceSteps) -> tuple[StepEntry, ...]:
     steps = [
         StepEntry((), FIRST, way.given.training, way.given.holdout),
-        StepEntry((), REFITTED, way.refitted.training, way.refitted.holdout),
+        StepEntry((), REFITTED, way.refitted.training, way.refitted.holdout, values=loads(way.refitted_values)),
     ]
     names: tuple[str, ...] = ()
     for step in way.steps:
         names = (*names, called(step.effect))
-        steps.append(StepEntry(names, called(step.effect), step.errors.training, step.errors.holdout))
+        steps.append(StepEntry(names, called(step.effect), step.errors.training, step.errors.holdout, values=loads(step.values)))
     return tuple(steps)
 
 

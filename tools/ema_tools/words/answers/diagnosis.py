@@ -13,14 +13,12 @@ from ema_tools.results import diagnosis as result
 from ema_tools.results.parts import CurvesEntry, EffectEntry, Provenance
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.select.outcome import Named
-from ema_tools.select.sensors import Suspect
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.answers.localisation import localisation
-from ema_tools.words.answers.steps import errors, field_of, steps
+from ema_tools.words.answers.steps import errors, field_of, sensor, steps
 from ema_tools.words.answers.unexplained import unexplained
 from ema_tools.words.answers.validity import validity
 from ema_tools.words.sentences.diagnosis import hidden, next_step, sentence
-from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 
 # Effects that are listed.
 _LISTED = 12
@@ -47,7 +45,7 @@ def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None 
         gate=validity(found.gate),
         where=localisation(found.where),
         unknown=unexplained(found.left, found.learned) if found.left else None,
-        sensor=_sensor(found.sensor) if found.sensor is not None else None,
+        sensor=sensor(found.sensor) if found.sensor is not None else None,
         provenance=provenance,
         curves=curves,
     )
@@ -80,7 +78,3 @@ def _fault(one: Named, found: Answer) -> EffectEntry:
     healthy, (low, high) = found.known[name], interval95(one.values[name], one.std.get(name, math.nan))
     ends = (None, None) if low is None or high is None else (100.0 * (low / healthy - 1.0), 100.0 * (high / healthy - 1.0))
     return replace(_effect(one, found.diagnosis), shift_percent=100.0 * (one.values[name] / healthy - 1.0), shift_interval95=ends)
-
-
-def _sensor(one: Suspect) -> result.Sensor:
-    return result.Sensor(one.channel, one.share, one.cost, one.factor, one.offset, one.late_s, sensor_sentence(one), sensor_next(one))

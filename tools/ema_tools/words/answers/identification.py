@@ -11,13 +11,13 @@ from ema_tools.base.interval import interval_of
 from ema_tools.plant.least_squares import FoundValue
 from ema_tools.plant.native import Identification
 from ema_tools.results import identification as result
-from ema_tools.results.parts import CurvesEntry, Provenance
+from ema_tools.results.parts import CurvesEntry, Provenance, Sensor
 from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.identify import Identified
 from ema_tools.tasks.objective_shape import Shape
 from ema_tools.tasks.onboard_search import KEYS, MIN_SHIFTS, identified_of
 from ema_tools.tasks.several_values import SeveralValues
-from ema_tools.words.answers.steps import field_of
+from ema_tools.words.answers.steps import field_of, sensor
 from ema_tools.words.sentences.identification import reasons, sentence, undetermined_words
 
 # Objections that name an effect, or say that there is none to name.
@@ -41,6 +41,7 @@ def identification(
         adequate=found.adequate,
         reasons=reasons(found),
         missing_effect=_missing(found.checked) if found.objection in _NAMING and found.checked is not None else None,
+        sensor=_sensor(found),
         guard=None if found.checked is None else _guard(found, found.checked),
         table=None if answer.finding is None else result.TableFinding(**vars(answer.finding)),
         sentence=sentence(found),
@@ -115,6 +116,14 @@ def _values(found: Identified) -> Mapping[str, Any]:
         )
         for one in found.answer.identified
     }
+
+
+def _sensor(found: Identified) -> Sensor | None:
+    """Whose error is suspected where that is what objects to the answer."""
+    checked = found.checked
+    if found.objection != "unknown" or checked is None or checked.unusable or checked.sensor is None:
+        return None
+    return sensor(checked.sensor)
 
 
 def _guard(found: Identified, checked: CrossCheck) -> result.Guard:

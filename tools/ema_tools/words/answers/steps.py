@@ -1,14 +1,16 @@
-"""Parts that several results share: the fall of an error, and short names."""
+"""Parts that several results share: the fall of an error, a suspected sensor, and short names."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.results import parts
 from ema_tools.select.forward_errors import Forward
 from ema_tools.select.holdout import ErrorFall, Rung
+from ema_tools.select.sensors import Suspect
+from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 
 FIRST = "as given"
 REFITTED = "base values refitted"
@@ -29,10 +31,15 @@ def steps(way: Sequence[Rung]) -> tuple[parts.StepEntry, ...]:
             step.error,
             step.holdout,
             *step.told,
-            {shown(row_of(name)): value for name, value in step.values.items()},
+            loads(step.values),
         )
         for step in way
     )
+
+
+def loads(values: Mapping[str, float]) -> dict[str, float]:
+    """What makes a model of the first, by full name; what was not determined stays as it was."""
+    return {shown(row_of(name)): value for name, value in values.items() if math.isfinite(value)}
 
 
 def forward(found: Forward) -> parts.ForwardErrors:
@@ -43,6 +50,11 @@ def forward(found: Forward) -> parts.ForwardErrors:
 def _had(pair: tuple[float, float]) -> tuple[float | None, float | None]:
     before, after = (error if math.isfinite(error) else None for error in pair)
     return before, after
+
+
+def sensor(one: Suspect) -> parts.Sensor:
+    """The sensor whose own error something looks like."""
+    return parts.Sensor(one.channel, one.share, one.cost, one.factor, one.offset, one.late_s, sensor_sentence(one), sensor_next(one))
 
 
 def field_of(name: str) -> str:

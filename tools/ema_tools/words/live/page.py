@@ -5,8 +5,10 @@ from __future__ import annotations
 from html import escape
 from importlib import resources
 
+from ema_tools.words.page.legend import LegendKey, switches
 from ema_tools.words.page.uplot import ABSENT, library
 
+_KEYS = (LegendKey("measured", "measured", "measured"), LegendKey("after", "after", "model, and what it leaves"))
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
 
 
@@ -40,9 +42,9 @@ def page(actuator: str, file: str) -> str:
 <dl class="replies" id="values"></dl>
 </header>
 {absent}
-<div class="bar"><p class="legend"><span><span class="key measured"></span> measured</span> <span><span class="key after"></span> model</span></p></div>
+<div class="bar" id="shown" hidden>{switches(_KEYS, "all signals", "live")}</div>
 <div class="plots" id="plots"></div>
-<p class="note" id="notes"></p>
+<p class="note" id="notes">Signals are drawn as their rows come; the verdict follows a few seconds after the last of them.</p>
 </main>
 <noscript><p class="absent">The page follows the recording by JavaScript; the terminal says the verdict without it.</p></noscript>
 {draws}

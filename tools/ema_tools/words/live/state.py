@@ -13,11 +13,14 @@ from ema_tools.data.records import Record
 from ema_tools.plant.native import CHANNELS, Simulation
 from ema_tools.tasks.watch import Phase, Seen, residual
 from ema_tools.words.page.names import SIGNALS
-from ema_tools.words.sentences.identification import TITLES, reasons, sentence
+from ema_tools.words.page.text import number, shift
+from ema_tools.words.sentences.identification import BECAUSE, TITLES, reasons, sentence
+from ema_tools.words.sentences.paths import with_paths
 from ema_tools.words.sentences.sizes import ends_text
 
 _BINS = 1000  # of a curve on the page, two rows each: the first, and that of the largest residual [layout]
 _DIGITS = 6  # of a number of a curve, which are finer than a screen [layout]
+_WIDE = 10.0  # %: half of an interval that leaves no decimals [layout]
 _TONES = {"healthy": "good", "fault": "bad", "undecided": "unsure"}
 
 
@@ -32,7 +35,7 @@ def state(seen: Seen, actuator: Actuator, file: str) -> dict[str, Any]:
         "seconds": record.rows * record.period_s if record is not None else 0.0,
         "headline": headline(seen, file),
         "tone": _tone(seen),
-        "details": [*_details(seen), *([seen.trouble] if seen.trouble else [])],
+        "details": [*_details(seen, actuator, file), *([seen.trouble] if seen.trouble else [])],
         "notes": list(seen.notes),
         "values": _values(seen, actuator),
         "channels": _channels(record, seen.model) if record is not None and seen.model is not None else [],
@@ -42,7 +45,9 @@ def state(seen: Seen, actuator: Actuator, file: str) -> dict[str, Any]:
 def headline(seen: Seen, file: str) -> str:
     """Where the recording stands, or the verdict, in one sentence."""
     if seen.found is not None:
-        return sentence(seen.found)
+        # the reasons stand below, one a line
+        verdict, because, _ = sentence(seen.found).partition(BECAUSE)
+        return f"{verdict}, which does not stand." if because else verdict
     told = f"{seen.record.rows * seen.record.period_s:.4g} s" if seen.record is not None else ""
     said: dict[Phase, str] = {
         "waiting": f"Waiting for the first rows of {file}.",
@@ -59,12 +64,18 @@ def _tone(seen: Seen) -> str:
     return "unsure" if seen.phase == "judged" or (seen.trouble and seen.phase == "waiting") else "running"
 
 
-def _details(seen: Seen) -> list[str]:
+def _details(seen: Seen, actuator: Actuator, file: str) -> list[str]:
     found = seen.found
     if found is None:
         return []
     held = [f"Held against the healthy runs {', '.join(seen.healthy)}."] if seen.healthy else []
-    return [*(reasons(found) if found.verdict == "undecided" else ()), *held]
+    if found.verdict != "undecided":
+        return held
+    why = reasons(found)
+    # what the sentence says besides them, as of few healthy runs
+    besides = sentence(found).partition("; ".join(why) + ".")[2].strip()
+    typed = [with_paths(one, actuator.file or "ACTUATOR", [file], seen.healthy) for one in why]
+    return [*(f"{one[:1].upper()}{one[1:]}." for one in typed), *filter(None, [besides]), *held]
 
 
 def _values(seen: Seen, actuator: Actuator) -> list[dict[str, Any]]:
@@ -77,6 +88,8 @@ def _values(seen: Seen, actuator: Actuator) -> list[dict[str, Any]]:
         healthy = (seen.found.healthy if seen.found is not None else actuator)[one.name]
         interval = seen.found.interval95(one) if seen.found is not None else (None, None)
         percent = [None if end is None or healthy == 0.0 else 100.0 * (end / healthy - 1.0) for end in interval]
+        low, high = percent
+        half = 0.5 * (high - low) if low is not None and high is not None else None
         shown.append(
             {
                 "title": TITLES.get(one.name, one.name),
@@ -86,9 +99,25 @@ def _values(seen: Seen, actuator: Actuator) -> list[dict[str, Any]]:
                 "shift_percent": one.shift_percent,
                 "shift_interval_percent": percent,
                 "so_far": seen.found is None,
+                "shown": f"{shift(one.shift_percent, _decimals(half))} of the healthy value",
+                "told": _told(seen, low, high, half),
             }
         )
     return shown
+
+
+def _decimals(half: float | None) -> int:
+    """Of a shift in %: no finer than half of its interval."""
+    return 0 if half is not None and half >= _WIDE else 1
+
+
+def _told(seen: Seen, low: float | None, high: float | None, half: float | None) -> str:
+    """What stands under a value."""
+    if seen.found is None:
+        return "not held against the other signals yet"
+    digits = _decimals(half)
+    between = "" if low is None or high is None else f"95 %: {shift(low, digits).removesuffix(' %')} … {shift(high, digits)}"
+    return "; ".join(filter(None, (between, "does not stand" if seen.found.verdict == "undecided" else "")))
 
 
 def _channels(record: Record, model: Simulation) -> list[dict[str, Any]]:
@@ -104,7 +133,8 @@ def _channels(record: Record, model: Simulation) -> list[dict[str, Any]]:
                 "title": title,
                 "unit": unit,
                 "residual_unit": residual_unit,
-                "rms": float(np.sqrt(np.mean(left**2))),
+                "rms": (rms := float(np.sqrt(np.mean(left**2)))),
+                "rms_text": f"residual rms {number(rms)} {residual_unit}",
                 "time": _short(record.time_s[keep]),
                 "measured": _short(record.recorded(name)[keep]),
                 "model": _short(np.asarray(getattr(model, name))[keep]),

@@ -12,7 +12,7 @@ from ema_tools.words.page import text as words
 from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.gathered import Gathered, draw_curves
 from ema_tools.words.page.results import ShownComparison
-from ema_tools.words.page.sheet import Chapter, CommandLine, FirstScreen, Reply, document, kept, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, CommandLine, FirstScreen, Reply, document, kept, line_of, origin, read_sizes, table
 from ema_tools.words.page.uplot import ABSENT, library
 
 _MODELS = {"model": "model as given"}
@@ -36,7 +36,7 @@ def render(result: ShownComparison, command: str) -> str:
 def part(page: Gathered, result: ShownComparison, identity: str) -> None:
     """What stands below the answers where there are other results beside it."""
     if result.curves is not None:
-        draw_curves(page, result.curves, identity, {"model": "Measured and simulated"})
+        draw_curves(page, result.curves, identity, {"model": "Measured and simulated"}, result.title)
     page.add(_where(result, identity))
 
 
@@ -129,7 +129,7 @@ def _next(result: ShownComparison) -> Reply:
     line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
     record = list(line.records[:1]) or ["RECORD.csv"]
     if _explained(result):
-        return Reply(question, "Read CSJ and BLK", "by the onboard search", "", shlex.join(["ema", "identify", line.actuator, *record]))
+        return read_sizes(line)
     ask = ["ema", "diagnose", line.actuator, *record, "--report", "diagnosis.html"]
     return Reply(
         question, "Ask what is missing", "with healthy records of the machine behind --healthy, where there are any", "", shlex.join(ask)

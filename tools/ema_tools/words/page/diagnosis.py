@@ -320,7 +320,7 @@ def _fell(page: Gathered, result: Diagnosed, identity: str) -> None:
     if result.curves is not None:
         held_in = names.listed([names.within(one) for one in (result.steps[-1].effects if result.steps else filter(None, [result.added]))])
         titles = {"before": "Before: the first model", "after": f"After: with {held_in}" if held_in else "After: the new model"}
-        draw_curves(page, result.curves, identity, {key: titles[key] for key in result.curves.models})
+        draw_curves(page, result.curves, identity, {key: titles[key] for key in result.curves.models}, result.title)
 
 
 def _unknown(page: Gathered, result: Diagnosed, identity: str) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
+from collections.abc import Collection
 from html import escape
 
 from ema_tools.library.registry import separating
@@ -43,7 +45,7 @@ def render(result: Diagnosed, command: str) -> str:
         Chapter("which", "Which", _which(result)),
         Chapter("ladder", "Ladder", _ladder(result)),
         Chapter("rest", "Is the rest noise?", _rest(result, found, titles)),
-        Chapter("workbench", "Workbench", workbench.markup(result.workbench) if result.workbench is not None else ""),
+        Chapter("workbench", "Workbench", workbench.markup(result.workbench, _loaded(result)) if result.workbench is not None else ""),
         Chapter("records", "Records", _records(result)),
         Chapter("provenance", "Provenance", _provenance(result, command)),
     ]
@@ -202,17 +204,51 @@ def _unknown(result: Diagnosed) -> list[str]:
     return parts
 
 
+def _loaded(result: Diagnosed) -> set[str]:
+    """Values that the rungs of the ladder load into the workbench, by full name."""
+    return {name for step in result.steps for name in step.loads or ()}
+
+
+def _loading(result: Diagnosed, any_loads: bool) -> list[str]:
+    """What loading a rung does, or why none can be."""
+    if any_loads:
+        said = "“load” puts a model into the workbench, where it is simulated anew and its values can be moved; values without a slider are set as well, and listed there."
+        if result.by_forces:
+            return [said, "The workbench weighs all signals, the ladder the balance of forces alone."]
+        open_ = "Without baseline runs the ladder also takes off what no value states, as slight ripple, so that the workbench’s error is somewhat larger."
+        return [said] if result.relative else [said, open_]
+    if result.workbench is None and result.by_forces:
+        return [
+            "No rung can be loaded: without a known controller and its command nothing is simulated, and the balance of forces alone is drawn."
+        ]
+    return (
+        ["No rung can be loaded: the record is too long for the page, or the file is of an older version."]
+        if result.workbench is None
+        else []
+    )
+
+
+def _rung_words(added: str, known: Collection[str]) -> str:
+    """What a rung adds: effects and faults by their display names, anything else as it was told."""
+    parts = re.split(r" and | \+ ", added)
+    return names.listed(list(map(names.within, parts))) if all(part in known for part in parts) else added
+
+
 def _ladder(result: Diagnosed) -> str:
     found = rungs(result)
     if not found:
         return ""
     unit = "% of the drive's force" if result.by_forces else "times the sensor noise"
     rows, last = [], len(found) - 1
-    loads = [{}, *(step.loads for step in result.steps)] if result.workbench is not None else [None] * len(found)
+    known = (
+        {one.name for one in result.suspects}
+        | {effect for step in result.steps for effect in step.effects}
+        | {*names.FAULT_TITLES, result.added}
+    )
+    loads = [{}, *(step.loads for step in result.steps)]
     drawn = list(result.curves.models) if result.curves is not None else []
     for place, (name, here, held) in enumerate(found):
-        known = name in {one.name for one in result.suspects} or name in faults(result) or name == result.added
-        title = f"+ {names.within(name)}" if known else name if place == 0 else f"+ {name}"
+        title = name if place == 0 else f"+ {_rung_words(name, known)}"
         marks = [charts.Mark(here, "dot after", f"this record {words.number(here)}")]
         if held is not None:
             marks.append(charts.Mark(held, "diamond", f"{'held out' if result.by_forces else 'validation record'} {words.number(held)}"))
@@ -220,7 +256,10 @@ def _ladder(result: Diagnosed) -> str:
         shown = f'<button type="button" data-model="{key}">{escape(title)}</button>' if key in drawn else escape(title)
         told = f"<b>{words.number(here)}</b>" + (f" / {words.number(held)}" if held is not None else "")
         changes = loads[place]
-        if changes is not None and workbench.takes(changes):
+        why = workbench.why_not(result.workbench, changes, result.by_forces)
+        if why:
+            told += f' <small class="why">{escape(why)}</small>'
+        else:
             given = escape(json.dumps(changes, separators=(",", ":")))
             told += f' <button type="button" class="load" data-load="{given}">load<span class="spoken"> {escape(title)} into the workbench</span></button>'
         rows.append(charts.Row(shown, tuple(marks), told))
@@ -245,13 +284,9 @@ def _ladder(result: Diagnosed) -> str:
             f"dashed: noise level {words.number(floor)}" if floor else "",
         ),
     ]
-    if drawn:
-        more = (
-            " “load” puts a model into the workbench, where it is simulated anew and its values can be moved."
-            if any(one is not None for one in loads)
-            else ""
-        )
-        parts.append(f'<p class="note">Choose the first or the last model to see it alone in the signals.{more}</p>')
+    notes = ["Choose the first or the last model to see it alone in the signals."] if drawn else []
+    notes += _loading(result, any(not workbench.why_not(result.workbench, one, result.by_forces) for one in loads))
+    parts.append(f'<p class="note">{" ".join(notes)}</p>' if notes else "")
     values = [value for step in result.steps for value in step.values]
     if values:
         items = "".join(f"<li>{_value(value)}</li>" for value in values)

@@ -15,10 +15,7 @@ from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed
 from ema_tools.words.page.recorded import Curves
-from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of
-
-# The column that is suspected where the recorder's clock is.
-_CLOCK = "time_s"
+from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, read_sizes
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
@@ -129,8 +126,7 @@ def _sensor(result: Diagnosed) -> str:
 
 def _suspected(result: Diagnosed) -> str:
     """Whose error is suspected, in words."""
-    channel = _sensor(result)
-    return "recorder's clock" if channel == _CLOCK else f"sensor of the {names.signal(channel).lower()}"
+    return names.suspected(_sensor(result))
 
 
 def _sentence(result: Diagnosed) -> str:
@@ -233,15 +229,16 @@ def _missing(result: Diagnosed) -> Reply:
             "unsure" if worn else "good",
         )
     if result.verdict == "unknown" or not named:
+        nearest = _nearest(result)
         if _sensor(result):
-            return Reply(question, "Nothing of the library", f"the {_suspected(result)} explains it", "unsure")
+            return Reply(question, "Nothing of the library", "; ".join([f"the {_suspected(result)} explains it", *nearest]), "unsure")
         share = result.found.unexplained if not isinstance(result.found, Addition) else None
         told = (
             f"the best attempt leaves {100.0 * share:.0f} % of what is beyond noise"
             if share is not None
             else "no effect of the library explains it"
         )
-        return Reply(question, "Not in the library", told, "bad")
+        return Reply(question, "Not in the library", "; ".join([told, *nearest]), "bad")
     first = named[0]
     told = ""
     size = next(iter(first.parameters.items()), None)
@@ -258,6 +255,30 @@ def _missing(result: Diagnosed) -> Reply:
     return Reply(
         question, names.listed([names.display(named[0].name), *(names.within(one.name) for one in named[1:])]), told.lstrip("; "), "bad"
     )
+
+
+def _nearest(result: Diagnosed) -> list[str]:
+    """Where no effect is named: the one that comes nearest, how far it stays from the noise level, and how much worse the next best is."""
+    tried = sorted(_left_alone(result), key=lambda one: one[1])
+    if not tried:
+        return ["no effect that was tried takes anything off"]
+    (name, left), floor = tried[0], result.errors.get("floor")
+    far = f"{words.number(left / floor, 2)} times the noise level" if floor else f"an error of {_size(result, left)}"
+    alike = {other for one in result.suspects if one.name == name for other in one.alike}
+    other = next(((one, error) for one, error in tried[1:] if one not in alike), None)
+    worse = (
+        f"; next best {names.within(other[0])}, {words.number(other[1] / left, 2)} times its error"
+        if other is not None and left > 0.0
+        else ""
+    )
+    return [f"nearest is {names.within(name)}, which leaves {far}{worse}"]
+
+
+def _left_alone(result: Diagnosed) -> list[tuple[str, float]]:
+    """Effects that were tried with the error that each leaves alone; by the balance of forces on what was fitted."""
+    if isinstance(result.found, DiagnosisByBalanceResult):
+        return [(one.effect, one.training_percent) for one in result.found.forces.refused if one.training_percent is not None]
+    return [(one.entry.name, one.left) for one in candidates(result) if one.left is not None]
 
 
 def _unchanged(result: Diagnosed) -> str:
@@ -314,13 +335,7 @@ def _next(result: Diagnosed) -> Reply:
         wanted = next((one.next for one in result.remarks if one.severity == "blocks" and one.next), "")
         return Reply(question, "Record again", wanted, "unsure")
     if result.verdict == "adequate":
-        return Reply(
-            question,
-            "Read CSJ and BLK",
-            "friction and backlash with intervals, as the actuator reads them",
-            "",
-            shlex.join(["ema", "identify", line.actuator, *record, *healthy]),
-        )
+        return read_sizes(line)
     between = re.search(r"ema next .+? --between ([\w ]+?) says", result.next_experiment)
     if between is not None:
         told = "this record does not tell " + names.listed([names.within(name) for name in between[1].split()]) + " apart"

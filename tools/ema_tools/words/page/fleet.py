@@ -7,12 +7,15 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 
+from ema_tools.library.display_names import coded
 from ema_tools.results.fleet import FleetResult, FleetUnitEntry
 from ema_tools.results.store import FleetRow
 from ema_tools.words.page import text as words
 from ema_tools.words.page.names import listed
-from ema_tools.words.page.trend import SHORT, drawing
+from ema_tools.words.page.sheet import kept, table
+from ema_tools.words.page.trend import SHORT, drawing, legend
 
+_WORDS = ' class="words"'
 CARDS_MAX = 200  # units that are drawn on the fleet's page; all are in its table [layout]
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
@@ -26,18 +29,19 @@ def fleet_page(found: FleetResult, pages: Mapping[str, str], command: str) -> st
         if len(units) > CARDS_MAX
         else ""
     )
-    rows = "".join(_unit_row(one, pages[one.unit]) for one in units)
-    heads = ("Unit", "CSJ", "BLK", "Drifts", "Reaches a limit", "Last verdict", "Records", "Not judged")
+    rows = [_unit_row(one, pages[one.unit]) for one in units]
+    heads = ("Unit", "CSJ", "BLK", "<Drifts", "<Reaches a limit", "<Last verdict", "Records", "Not judged")
     stated = " and ".join(f"{SHORT[name]} +{percent:g} %" for name, percent in found.limits_percent.items())
     notes = (
         f"Sorted by urgency: the lower end of the remaining life, then how near the last reading is to its limit ({stated} of the healthy value). A unit drifts where a step or a ramp from some day "
-        f"on stands out more than in all but {100.0 * found.false_alarm:g} % of units that do not change; the shaded band is the 95 % interval of each reading, intervals of remaining life are 90 %."
+        f"on stands out more than in all but {100.0 * found.false_alarm:g} % of units that do not change; the shaded band is the 95 % interval of each reading, intervals of remaining life are 90 %. "
+        "CSJ is the static dry friction of the mechanism, BLK the backlash at the rod."
     )
     return _document(
         "Fleet",
         found.sentence,
-        f'<section id="units"><h2>Units</h2><p class="note">{escape(notes)}</p>{rest}<div class="cards">{cards}</div></section>'
-        f'<section id="table"><h2>All units</h2>{_table("all units", heads, rows)}</section>'
+        f'<section id="units"><h2>Units</h2><p class="note">{escape(notes)}</p>{rest}{legend(cards, "all units")}<div class="cards">{cards}</div></section>'
+        f'<section id="table"><h2>All units</h2>{table("all units", "By the last reading of each; – where none counts, or nothing is reached.", heads, rows)}</section>'
         f'<section id="made"><h2>Provenance</h2><p><code>{escape(command)}</code></p></section>',
     )
 
@@ -47,20 +51,25 @@ def unit_page(one: FleetUnitEntry, records: Sequence[FleetRow], back: str, comma
     figures = "".join(
         f"<figure>{drawing(name, trend)}<figcaption>{escape(trend.sentence)}</figcaption></figure>" for name, trend in one.trends.items()
     )
-    rows = "".join(map(_record_row, records))
-    heads = ("Date", "Record", "Kind", "Verdict", "CSJ", "95 %", "BLK", "95 %", "Why")
+    heads = ("Date", "<Record", "<Kind", "<Verdict", "CSJ", "95 %", "BLK", "95 %", "<Why")
     return _document(
         one.unit,
         one.sentence,
-        f'<p><a href="{escape(back)}">All units</a></p><section id="trends"><h2>Trends</h2><div class="cards wide">{figures}</div></section>'
-        f'<section id="records"><h2>Records</h2>{_table("records", heads, rows)}</section>'
+        f'<p><a href="{escape(back)}">All units</a></p><section id="trends"><h2>Trends</h2>{legend(figures, one.unit)}<div class="cards wide">{figures}</div></section>'
+        f'<section id="records"><h2>Records</h2>{table("records", "Every recording of the unit, in the order of time.", heads, list(map(_record_row, records)))}</section>'
         f'<section id="made"><h2>Provenance</h2><p><code>{escape(command)}</code></p></section>',
     )
 
 
 def _card(one: FleetUnitEntry, page: str) -> str:
     drawn = "".join(drawing(name, trend) for name, trend in one.trends.items())
-    return f'<figure class="{_tone(one)}"><h3><a href="{escape(page)}">{escape(one.unit)}</a></h3>{drawn}<figcaption>{escape(one.sentence)}</figcaption></figure>'
+    return f'<figure class="{_tone(one)}"><h3><a href="{escape(page)}">{escape(one.unit)}</a></h3>{drawn}<figcaption>{escape(_own_words(one))}</figcaption></figure>'
+
+
+def _own_words(one: FleetUnitEntry) -> str:
+    """Its sentence under its name, which need not stand there twice."""
+    said = one.sentence.removeprefix(f"{one.unit}: ")
+    return said[:1].upper() + said[1:] if said != one.sentence else said
 
 
 def _tone(one: FleetUnitEntry) -> str:
@@ -79,7 +88,7 @@ def _unit_row(one: FleetUnitEntry, page: str) -> str:
         str(one.records),
         str(one.not_judged),
     )
-    return f'<tr><th scope="row"><a href="{escape(page)}">{escape(one.unit)}</a></th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
+    return f'<tr><th scope="row"><a href="{escape(page)}">{escape(one.unit)}</a></th>{_cells(cells, (2, 3, 4))}</tr>'
 
 
 def _record_row(row: FleetRow) -> str:
@@ -90,14 +99,19 @@ def _record_row(row: FleetRow) -> str:
         counted = "" if row.counts(name) else " (not counted)"
         return words.shift(shift) + counted, words.interval(low, high) if low is not None and high is not None else "–"
 
-    why = row.reason if row.status == "bad" else row.reasons + (f"; missing: {row.effect}" if row.effect else "")
+    why = row.reason if row.status == "bad" else row.reasons + (f"; missing: {coded(row.effect)}" if row.effect else "")
     cells = (Path(row.file).name, row.kind, "not judged" if row.status == "bad" else row.verdict or "–", *value("csj"), *value("blk"))
-    return f'<tr><th scope="row">{row.date.date().isoformat()}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}<td class="words">{escape(why)}</td></tr>'
+    return f'<tr><th scope="row">{row.date.date().isoformat()}</th>{_cells(cells, (0, 1, 2))}<td class="words">{escape(why)}</td></tr>'
 
 
-def _table(label: str, heads: Sequence[str], rows: str) -> str:
-    shown = "".join(f'<th scope="col">{escape(head)}</th>' for head in heads)
-    return f'<div class="scroll" role="region" aria-label="Table: {label}" tabindex="0"><table class="plain"><thead><tr>{shown}</tr></thead><tbody>{rows}</tbody></table></div>'
+def _cells(cells: Sequence[str], of_words: Sequence[int]) -> str:
+    """Cells of a row; those of words stand left."""
+    return "".join(f"<td{_WORDS if place in of_words else ''}>{escape(cell)}</td>" for place, cell in enumerate(cells))
+
+
+def _together(text: str) -> str:
+    """Escaped text in which an interval stays on one line."""
+    return kept(text).replace(" … ", "\u00a0…\u00a0")
 
 
 def _document(title: str, sentence: str, body: str) -> str:
@@ -118,7 +132,7 @@ def _document(title: str, sentence: str, body: str) -> str:
 <body>
 <a class="skip" href="#main">Skip to the answer</a>
 <main id="main">
-<header><h1>{escape(sentence)}</h1></header>
+<header><h1>{_together(sentence)}</h1></header>
 {body}
 </main>
 </body>

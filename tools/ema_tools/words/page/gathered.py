@@ -9,6 +9,7 @@ from ema_tools.words.page import figures
 from ema_tools.words.page import text as words
 from ema_tools.words.page.curves import pack
 from ema_tools.words.page.figure_svg import figure_svg
+from ema_tools.words.page.legend import LegendKey, switches
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.uplot import ABSENT, library
 
@@ -44,16 +45,17 @@ class Gathered:
         return {"curves": self.curves, "lines": self.lines}
 
 
-def draw_curves(page: Gathered, curves: Curves, identity: str, models: dict[str, str]) -> None:
-    """Every channel of a result with its residual, for each of `models` by what it is called; the plots of one `identity` are zoomed together."""
+def draw_curves(page: Gathered, curves: Curves, identity: str, models: dict[str, str], titled: str) -> None:
+    """Every channel of a result with its residual, for each of `models` by what it is called; the plots of one `identity` are zoomed and switched together; `titled`: whose they are."""
     packed = pack(curves)
     for channel in packed["channels"]:
         channel["rms_text"] = {key: f"{words.number(value)} {channel['residual_unit']}" for key, value in channel.pop("rms").items()}
     page.curves.append({"id": identity, **packed})
-    page.add('<div class="bar"><ul class="legend"><li><span class="key measured"></span>measured</li>')
-    for key, title in models.items():
-        page.add(f'<li><span class="key {_role(key)}"></span>simulated{"" if key == "model" else ", " + escape(title.split(": ")[1])}</li>')
-    page.add('</ul><div class="zoom" role="group" aria-label="Zoom of the curves">')
+    keys = [LegendKey("measured", "measured", "measured")]
+    keys += [
+        LegendKey(key, _role(key), f"simulated{'' if key == 'model' else ', ' + title.split(': ')[1]}") for key, title in models.items()
+    ]
+    page.add(f'<div class="bar">{switches(keys, titled, identity)}<div class="zoom" role="group" aria-label="Zoom of the curves">')
     for how, text in (("whole", "Whole record"), ("in", "Zoom in"), ("out", "Zoom out"), ("earlier", "← Earlier"), ("later", "Later →")):
         page.add(f'<button type="button" data-zoom="{how}" data-zoom-of="{identity}">{text}</button>')
     page.add(f'</div></div><div class="{"pair" if len(models) > 1 else "single"}">')

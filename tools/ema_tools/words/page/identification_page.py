@@ -78,9 +78,8 @@ def _objections(result: ShownIdentification) -> str:
 
 
 def _reason(text: str) -> str:
-    """A reason as a sentence, with the command in it set as code; a code name keeps its first letter."""
-    named = "_" in text.partition(" ")[0]
-    shown = kept(text if named else text[:1].upper() + text[1:])
+    """A reason as a sentence, with the command in it set as code."""
+    shown = kept(text[:1].upper() + text[1:])
     return re.sub(r"ema (?:add|next|diagnose) .+?(?= (?:puts|finds|looks|draws)\b)", lambda found: f"<code>{found[0]}</code>", shown)
 
 

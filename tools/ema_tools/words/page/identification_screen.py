@@ -19,10 +19,6 @@ _WIDE, _NARROW = 10.0, 0.05  # %: half of an interval that leaves no decimals, a
 _UM = 1000.0  # um in a mm [physics]
 # Beginning of a reason that says nothing of the model.
 _UNUSABLE = "nothing can be told from this record"
-# How a reason says that a sensor errs.
-_SENSOR = re.compile(
-    r"looks like the (sensor of the .+?), not like the machine|shows in the (.+?) alone: without|looks like (rows that are not evenly spaced)"
-)
 # Why there is no verdict, by what objects to the module's answer.
 _WHY = {
     "unknown": "something is missing from the model that the library of effects does not know",
@@ -74,11 +70,9 @@ def faults_of(result: ShownIdentification) -> tuple[str, ...]:
 
 
 def _sensor(result: ShownIdentification) -> str:
-    """What the reasons suspect beside the machine, in words; empty where they do not."""
-    found = next((found for reason in result.reasons if (found := _SENSOR.search(reason))), None)
-    if found is None:
-        return ""
-    return "recorder's clock" if found[3] else found[1] or f"sensor of the {found[2]}"
+    """Whose own error is suspected in place of the machine's, in words; empty where none is."""
+    sensor = result.found.sensor
+    return names.suspected(sensor.channel) if sensor is not None else ""
 
 
 def _why(result: ShownIdentification) -> str:

@@ -27,7 +27,7 @@ def section(page: Gathered, result: ShownIdentification, identity: str) -> None:
     for undetermined in result.undetermined.values():
         page.add(f"<p>{kept(undetermined)}</p>")
     if result.curves is not None:
-        draw_curves(page, result.curves, identity, {"before": "Before: healthy values", "after": "After: identified values"})
+        draw_curves(page, result.curves, identity, {"before": "Before: healthy values", "after": "After: identified values"}, result.title)
     if result.search is not None:
         page.add('<div class="pair"><figure><div class="figure-head"><h3>The search</h3><ul class="legend">')
         page.add('<li><span class="key dot candidate"></span>candidate</li><li><span class="key after"></span>best so far</li></ul></div>')

@@ -9,6 +9,7 @@ from typing import Any
 
 from ema_tools.base.arrays import Reals
 from ema_tools.words.page.curves import packed
+from ema_tools.words.page.legend import LegendKey, switches
 
 _DASHES: dict[str, list[int]] = {"one": [2, 3], "two": [7, 4]}
 
@@ -57,11 +58,11 @@ class LineChart:
         }
 
     def markup(self, caption: str = "") -> str:
-        """A figure with its legend; `caption` is text."""
-        keys = "".join(f'<li><span class="key {one.role}"></span>{escape(one.label)}</li>' for one in self.curves)
+        """A figure with its legend, by which its curves are switched; `caption` is text."""
+        keys = switches([LegendKey(one.label, one.role, one.label) for one in self.curves], self.title, self.identity)
         names = ", ".join(one.label for one in self.curves)
         told = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
         return (
-            f'<figure><div class="figure-head"><h3>{escape(self.title)}, {escape(self.unit)}</h3><ul class="legend">{keys}</ul></div>'
+            f'<figure><div class="figure-head"><h3>{escape(self.title)}, {escape(self.unit)}</h3>{keys}</div>'
             f'<div class="lines" id="{self.identity}" role="img" aria-label="{escape(f"{self.title} over time: {names}")}"></div><div class="values"></div>{told}</figure>'
         )

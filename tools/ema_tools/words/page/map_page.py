@@ -15,8 +15,11 @@ from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Line, Picture
 from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.gathered import Gathered
+from ema_tools.words.page.legend import LegendKey, switches
 from ema_tools.words.page.results import Mapped
 from ema_tools.words.page.sheet import Chapter, CommandLine, FirstScreen, Reply, document, line_of, origin, table
+
+_KEYS = (LegendKey("before", "before", "measured"), LegendKey("after", "after", "model"))
 
 
 def render(result: Mapped, command: str) -> str:
@@ -155,10 +158,7 @@ def _picture(identity: str, title: str, points: Sequence[MapPointEntry]) -> str:
     measured = Line(speed, column(lambda one: one.torque_Nm), column(lambda one: one.low_Nm), column(lambda one: one.high_Nm))
     lines = {"measured": measured, "model": Line(speed, column(lambda one: one.model_Nm))}
     drawn = figure_svg(diagnosis_figures.picture(Picture("torque at constant speed", "speed", "Nm", "rad/s", lines)), identity)
-    return (
-        f'<figure><div class="figure-head"><h3>{title}</h3><ul class="legend"><li><span class="key before"></span>measured</li>'
-        f'<li><span class="key after"></span>model</li></ul></div>{drawn}</figure>'
-    )
+    return f'<figure><div class="figure-head"><h3>{title}</h3>{switches(_KEYS, f"torque, {title.lower()}")}</div>{drawn}</figure>'
 
 
 def _interval(ends: tuple[float | None, float | None]) -> str:

@@ -8,12 +8,14 @@ from html import escape
 from ema_tools.base.errors import InputError
 from ema_tools.base.interval import interval_of
 from ema_tools.data.actuator import row_of
+from ema_tools.library.display_names import FAULT_TITLES as FAULT_TITLES
+from ema_tools.library.display_names import display as display
+from ema_tools.library.display_names import listed as listed
+from ema_tools.library.display_names import within as within
 from ema_tools.words.page import text as words
 
-# Words of code names that are written otherwise.
-_SPELT = {"stribeck": "Stribeck", "csj": "CSJ", "blk": "BLK"}
-_FAULTS = {"csj": "friction", "blk": "backlash"}
-FAULT_TITLES = {"csj": "CSJ, static dry friction", "blk": "BLK, backlash at the rod"}
+# The column that is suspected where the recorder's clock is.
+_CLOCK = "time_s"
 # block -> title, what its equation weighs
 BLOCKS = {
     "mechanical": ("Mechanics", "motor torque against friction, inertia and load"),
@@ -31,30 +33,9 @@ SIGNALS = {
 }
 
 
-def display(name: str) -> str:
-    """The display name of an effect or fault, as in `Stribeck friction`."""
-    if name in _FAULTS:
-        return FAULT_TITLES[name]
-    spelt = " ".join(_SPELT.get(word, word) for word in name.split("_"))
-    return spelt[:1].upper() + spelt[1:]
-
-
-def within(name: str) -> str:
-    """The same inside a sentence."""
-    if name in _FAULTS:
-        return f"{_FAULTS[name]} ({name.upper()})"
-    shown = display(name)
-    return shown if shown.split(" ")[0] in _SPELT.values() else shown[:1].lower() + shown[1:]
-
-
 def titled(name: str) -> str:
     """Markup of the display name of an effect, its code name small behind it."""
     return f"{escape(display(name))} <code>{escape(name)}</code>"
-
-
-def listed(names: list[str]) -> str:
-    """Names in a row: `a`, `a and b`, `a, b and c`."""
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def block(name: str) -> str:
@@ -65,6 +46,11 @@ def block(name: str) -> str:
 def signal(name: str) -> str:
     """Title of a channel."""
     return SIGNALS[name][0] if name in SIGNALS else name
+
+
+def suspected(channel: str) -> str:
+    """Whose own error is suspected where a channel is."""
+    return "recorder's clock" if channel == _CLOCK else f"sensor of the {signal(channel).lower().partition(',')[0]}"
 
 
 def unit_of(name: str) -> str:

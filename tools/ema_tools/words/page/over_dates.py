@@ -11,15 +11,8 @@ from ema_tools.results.over_dates import UnitOverDates
 from ema_tools.results.store import FleetRow
 from ema_tools.words.page import text as words
 from ema_tools.words.page.sheet import table
-from ema_tools.words.page.trend import SHORT, Beside, drawing
+from ema_tools.words.page.trend import SHORT, Beside, drawing, legend
 
-_LEGEND = (
-    ("key dot after", "reading, 95 %"),
-    ("key dot open", "reading that does not count"),
-    ("key block healthy", "healthy"),
-    ("key dashed threshold", "threshold of a fault"),
-    ("key noise", "limit of service"),
-)
 _WORDS = ' class="words"'
 _IN_WORDS = (0, 1, 6)  # cells of a row that hold words: record, verdict, what counts [layout]
 _ORDER = "results in the order given"
@@ -29,8 +22,8 @@ def section(units: Sequence[UnitOverDates], said: bool = False) -> str:
     """Markup of all units; empty without any. `said`: the sentence of the only one stands above already."""
     if not units:
         return ""
-    keys = "".join(f'<li><span class="{kind}"></span>{escape(title)}</li>' for kind, title in _LEGEND)
-    return f'<ul class="legend">{keys}</ul>' + "".join(_unit(one, said) for one in units)
+    shown = "".join(_unit(one, said) for one in units)
+    return legend(shown, "CSJ and BLK over dates") + shown
 
 
 def _unit(one: UnitOverDates, said: bool) -> str:

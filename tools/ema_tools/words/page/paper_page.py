@@ -14,6 +14,7 @@ from ema_tools.results.paper import PaperResponses, PaperRun
 from ema_tools.words.page import gathered, identified_part
 from ema_tools.words.page import text as words
 from ema_tools.words.page.gathered import Gathered
+from ema_tools.words.page.legend import LegendKey, switches
 from ema_tools.words.page.line_charts import LineChart, NamedCurve
 from ema_tools.words.page.paper_figures import LEAST, SIZES, best_so_far, box_surface
 from ema_tools.words.page.results import ShownIdentification
@@ -197,16 +198,18 @@ def _objective(page: Gathered, found: PaperResponses, results: Sequence[ShownIde
         f"<p>The integrated squared position error of case {escape(box.case)} for every CSJ and BLK that the search may try. A valley runs along BLK: "
         "there the error hardly says which value is right, and this, not the search, is what makes backlash hard to find.</p>"
     )
-    page.add('<div class="pair"><figure><div class="figure-head"><h3>Integrated squared error over the box</h3><ul class="legend">')
-    page.add('<li><span class="key diamond full before"></span>healthy</li>')
-    page.add('<li><span class="key dot"></span>truth</li></ul></div>', page.figure("objective-box", box_surface(found)))
+    marks = (LegendKey("before", "diamond full before", "healthy"), LegendKey("after", "dot", "truth"))
+    page.add(
+        f'<div class="pair"><figure><div class="figure-head"><h3>Integrated squared error over the box</h3>{switches(marks, "the box")}</div>'
+    )
+    page.add(page.figure("objective-box", box_surface(found)))
     ends = (words.number(float(np.max(box.objective_mm2s)), 2), words.number(max(float(np.min(box.objective_mm2s)), LEAST), 2))
     page.add(f"<figcaption>In logarithmic steps; dark is small: from {ends[0]} down to {ends[1]} mm² s on this grid.</figcaption></figure>")
     shown = [one for one in results if one.search is not None and one.paper is not None]
     if shown:
-        keys = "".join(f'<li><span class="key {role}"></span>{escape(one.label)}</li>' for one, role in zip(shown, SIZES, strict=False))
+        keys = switches([LegendKey(role, role, one.label) for one, role in zip(shown, SIZES, strict=False)], "best error so far")
         page.add(
-            f'<figure><div class="figure-head"><h3>Best error so far</h3><ul class="legend">{keys}</ul></div>',
+            f'<figure><div class="figure-head"><h3>Best error so far</h3>{keys}</div>',
             page.figure("search-best", best_so_far(shown)),
         )
         paper = min(one.paper.paper_iterations for one in shown if one.paper is not None)

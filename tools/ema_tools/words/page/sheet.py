@@ -22,6 +22,8 @@ _LEFT = "<"
 _WORDS = ' class="words"'
 # Commands whose lines are taken apart, and those of their options that stand for themselves.
 _COMMANDS = {"diagnose", "add", "identify", "compare", "map"}
+_GREEDY = "--healthy"  # takes every word behind it, as the shell expands a pattern
+_ARGUMENTS = 2  # an actuator, and a record or an effect [layout]
 _FLAGS = {"--force", "--known", "--no-guard", "--exit-code"}
 # Of every page; further ones a page names itself.
 _STYLES = ("sheet.css", "gauges.css", "charts.css")
@@ -69,7 +71,11 @@ class CommandLine:
 
     def again(self, *wanted: str) -> list[str]:
         """Options as they were given."""
-        return [part for name in wanted for value in self.options.get(name, ()) for part in (name, value)]
+        said: list[str] = []
+        for name in wanted:
+            values = self.options.get(name, ())
+            said += [name, *values] if name == _GREEDY and values else [part for value in values for part in (name, value)]
+        return said
 
 
 def line_of(command: str) -> CommandLine | None:
@@ -83,18 +89,34 @@ def line_of(command: str) -> CommandLine | None:
     places: list[str] = []
     options: dict[str, list[str]] = {}
     rest = iter(tokens[2:])
+    takes_all = False
     for token in rest:
         if token in _FLAGS:
+            takes_all = False
             continue
         if token.startswith("-") and len(token) > 1:
             name, has, value = token.partition("=")
             options.setdefault(name, []).append(value if has else next(rest, ""))
+            takes_all = name == _GREEDY
+        elif takes_all:
+            options[_GREEDY].append(token)
         else:
             places.append(token)
+    # the last of them are the arguments, where these would be wanting
+    healthy = options.get(_GREEDY, [])
+    wanting = min(max(0, _ARGUMENTS - len(places)), max(0, len(healthy) - 1))
+    places += healthy[len(healthy) - wanting :]
+    del healthy[len(healthy) - wanting :]
     if not places:
         return None
     records = (*places[2:], *options.get("--fit", ())) if tokens[1] == "add" else tuple(places[1:])
     return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
+
+
+def read_sizes(line: CommandLine) -> Reply:
+    """What follows where the model holds, on whatever page."""
+    ask = ["ema", "identify", line.actuator, *(line.records[:1] or ("RECORD.csv",)), *line.again("--healthy")]
+    return Reply("What next?", "Read CSJ and BLK", "friction and backlash with intervals, as the actuator reads them", "", shlex.join(ask))
 
 
 def document(

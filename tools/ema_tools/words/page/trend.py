@@ -10,9 +10,20 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.interval import WIDTH_95
 from ema_tools.results.fleet import TrendEntry
 from ema_tools.words.page.charts import Drawing, ends
+from ema_tools.words.page.legend import LegendKey, switches
 from ema_tools.words.page.names import FAULT_TITLES
 
 SHORT = {"csj": "CSJ", "blk": "BLK"}
+# By the part of a class that what is drawn has, `s-reading` and so on.
+_KEYS = (
+    LegendKey("reading", "dot after", "reading, 95 %"),
+    LegendKey("open", "dot open", "reading that does not count"),
+    LegendKey("healthy", "block healthy", "healthy"),
+    LegendKey("threshold", "dashed threshold", "threshold of a fault"),
+    LegendKey("limit", "noise", "limit of service"),
+    LegendKey("since", "dashed back", "since when it drifts"),
+    LegendKey("life", "block life", "remaining life, 90 %"),
+)
 _AHEAD = 0.25  # of the days so far, drawn beyond the last [layout]
 _BARS_MAX = 30  # readings whose intervals stand as bars, too; of more the band alone is seen [layout]
 _LIMIT_NEAR = 0.4  # of the limit: from here on it is drawn [layout]
@@ -20,6 +31,11 @@ _LIMIT_NEAR = 0.4  # of the limit: from here on it is drawn [layout]
 
 def _none() -> Reals:
     return np.zeros(0)
+
+
+def legend(drawn: str, of: str) -> str:
+    """The keys of what the markup of one drawing or of many holds, by which each is switched in all of them."""
+    return switches([key for key in _KEYS if f"s-{key.series}" in drawn], of)
 
 
 @dataclass(frozen=True)
@@ -64,23 +80,24 @@ def drawing(name: str, trend: TrendEntry | None, beside: Beside | None = None) -
     )
     if beside.threshold_percent is not None:
         both = np.full(2, beside.threshold_percent)
-        drawn.band(np.array(x_ends), -both, both, "healthy")
-        drawn.line(np.array(x_ends), both, "threshold thin")
+        drawn.band(np.array(x_ends), -both, both, "healthy s-healthy")
+        drawn.line(np.array(x_ends), both, "threshold thin s-threshold")
     if days.size > 1:
-        drawn.band(days, shift - half, shift + half, "after")
-        drawn.line(days, shift, "after thin")
+        drawn.band(days, shift - half, shift + half, "after s-reading")
+        drawn.line(days, shift, "after thin s-reading")
     if 0 < days.size <= _BARS_MAX:
-        drawn.bars(days, shift - half, shift + half, "after")
+        drawn.bars(days, shift - half, shift + half, "after s-reading")
     size = " big" if every.size <= _BARS_MAX else ""
-    drawn.dots(days, shift, "after" + size)
-    drawn.dots(beside.more_days, beside.more_percent, "open" + size)
+    drawn.dots(days, shift, "after s-reading" + size)
+    if beside.more_days.size:
+        drawn.dots(beside.more_days, beside.more_percent, "open s-open" + size)
     if shows_limit:
-        drawn.line(np.array(x_ends), np.full(2, limit), "noise thin")
+        drawn.line(np.array(x_ends), np.full(2, limit), "noise thin s-limit")
     if trend is not None and trend.since_day is not None and not beside.by_order:
-        drawn.line(np.full(2, trend.since_day), np.array(drawn.y_ends), "back thin")
+        drawn.line(np.full(2, trend.since_day), np.array(drawn.y_ends), "back thin s-since")
     if trend is not None and trend.life is not None and low is not None:
         beyond = x_ends[1] - float(days[-1])
         fan = days[-1] + np.array([0.0, low, min(high if high is not None else beyond, beyond)])
         now = trend.life.now_percent
-        drawn.band(fan, np.array([now, limit, limit]), np.array([now, now, limit]), "")
+        drawn.band(fan, np.array([now, limit, limit]), np.array([now, now, limit]), "s-life")
     return drawn.svg()

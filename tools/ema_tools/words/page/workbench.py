@@ -10,7 +10,8 @@ import base64
 import json
 import math
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from functools import cache
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -18,8 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.data.actuator import Actuator, Row, actuator_of, shown
+from ema_tools.data.actuator import Actuator, Row, actuator_of, scattering_rows, shown
 from ema_tools.library.definitions import Effect, EffectParameter, library_folder, load_definitions
+from ema_tools.library.display_names import value_words
 from ema_tools.library.registry import record_of
 from ema_tools.results.workbench import BenchEntry, WeighedEntry
 
@@ -41,10 +43,23 @@ _FAULT_REACH = 4.0  # and up to so many times a healthy value [judgement]
 _WHOLE = "periods"  # a value that is a whole number: tried, not fitted
 
 
-def takes(changes: Mapping[str, float]) -> bool:
-    """Whether the workbench has all of these values, by full name, so that they can be loaded into it."""
-    known = {shown(row) for effect in load_definitions().physical for row in effect.parameters} | set(_FAULTS) | set(_OTHERS)
-    return module_path().is_file() and changes.keys() <= known
+def why_not(entry: BenchEntry | None, changes: Mapping[str, float] | None, by_forces: bool) -> str:
+    """Why a model, by what makes it of the first, cannot be loaded into the workbench, in a few words; empty where it can."""
+    if entry is None:
+        return "balance only, not simulated" if by_forces else "not simulated on this page"
+    if not module_path().is_file():
+        return "no workbench"
+    if changes is None:
+        return "its values were not kept"
+    lacking = next((name for name in changes if name not in _loadable()), None)
+    return f"no {lacking} in this build" if lacking is not None else ""
+
+
+@cache
+def _loadable() -> dict[str, Row]:
+    """Rows of every value that makes a machine, by full name."""
+    rows: tuple[Row, ...] = (*scattering_rows().values(), *load_definitions().effect_values)
+    return {shown(row): row for row in rows}
 
 
 def module_path() -> Path:
@@ -63,8 +78,11 @@ def section(entry: BenchEntry, identity: str = "workbench") -> str:
     )
 
 
-def markup(entry: BenchEntry) -> str:
-    """What stands under the section's title, scripts and data included; a note where the module was not built. Raises InputError as `section`."""
+def markup(entry: BenchEntry, loads: Collection[str] = ()) -> str:
+    """What stands under the section's title, scripts and data included; a note where the module was not built. Raises InputError as `section`.
+
+    `loads`: full names of values that the page's other parts load into it, some of which may have no slider.
+    """
     if not module_path().is_file():
         return f'<p class="note">{escape(_ABSENT)}</p>'
     assets = resources.files("ema_tools.words.page") / "assets"
@@ -73,7 +91,7 @@ def markup(entry: BenchEntry) -> str:
         for name in ("workbench.css", "workbench_engine.js", "workbench_text.js", "workbench_plot.js", "workbench.js")
     )
     # `<` would let a text in the data end the script element.
-    data = json.dumps(payload(entry), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    data = json.dumps(payload(entry, loads), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     return (
         "<p>The module's own C runs in this page. Switch effects on, move values, fit them to the record: the error follows. "
         "What it shows is an error, not a verdict: effects that look alike fit alike, and <code>ema diagnose</code> judges.</p>"
@@ -83,22 +101,26 @@ def markup(entry: BenchEntry) -> str:
     )
 
 
-def payload(entry: BenchEntry) -> dict[str, Any]:
-    """What the scripts take: the model as flat arrays, its rows, the record and the module, both packed."""
+def payload(entry: BenchEntry, loads: Collection[str] = ()) -> dict[str, Any]:
+    """What the scripts take: the model as flat arrays, its rows, the record and the module, both packed; `loads` as of `markup`."""
     actuator = actuator_of(entry.actuator, entry.actuator_file)
     known = load_definitions()
     values, options = actuator.arrays()
     columns = {name: np.frombuffer(base64.b64decode(text), dtype="<f4") for name, text in entry.columns.items()}
     reach_mm = float(np.max(np.abs(columns["command_mm"])))
+    rows = [_fault(actuator, name) for name in _FAULTS] + [_other(actuator, name) for name in _OTHERS if actuator[name] > 0.0]
+    effects = [
+        _effect(actuator, effect, entry.usual, reach_mm)
+        for effect in known.effects
+        if not effect.is_learned or effect.name in actuator.active_effects
+    ]
+    shown_rows = {row["name"] for row in (*rows, *(row for effect in effects for row in effect["rows"]))}
     return {
         "module": _deflated(module_path().read_bytes()),
         "model": {"values": values.tolist(), "options": options.tolist()},
-        "rows": [_fault(actuator, name) for name in _FAULTS] + [_other(actuator, name) for name in _OTHERS if actuator[name] > 0.0],
-        "effects": [
-            _effect(actuator, effect, entry.usual, reach_mm)
-            for effect in known.effects
-            if not effect.is_learned or effect.name in actuator.active_effects
-        ],
+        "rows": rows,
+        "effects": effects,
+        "unseen": [_unseen(actuator, row) for name, row in _loadable().items() if name in loads and name not in shown_rows],
         "start": {"blk_upper_mm": actuator["search.blk_upper_mm"], "noise_mm": actuator["verdict.position_noise_mm"]},
         "record": {
             "file": entry.record_file,
@@ -145,6 +167,12 @@ def _row(actuator: Actuator, row: Row, label: str, slider: tuple[float, float], 
         "name": shown(row), "id": load_definitions().ids[row.name], "table": place, "field": row.field, "label": label, "unit": row.unit,
         "remark": remark, "value": value, "zero": row.nominal, "low": low, "high": high, "bounds": fit,
     }  # fmt: skip
+
+
+def _unseen(actuator: Actuator, row: Row) -> dict[str, Any]:
+    """A value without a slider, which a model that is loaded may set."""
+    value = actuator[row.name]
+    return _row(actuator, row, value_words(row.text, row.field), (value, value), (value, value))
 
 
 def _fault(actuator: Actuator, name: str) -> dict[str, Any]:

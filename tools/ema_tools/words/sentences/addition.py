@@ -7,6 +7,7 @@ import math
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.display_names import coded, value_coded
 from ema_tools.library.registry import called
 from ema_tools.tasks.add import Added, Why
 from ema_tools.tasks.add_by_balance import BalanceAdded
@@ -26,7 +27,7 @@ _WHY = {
 def reason(found: Added) -> str:
     """Why it is recommended, or not."""
     judged = found.judgement
-    return _WHY[judged.why].format(value=judged.value, correlation=judged.correlation)
+    return _WHY[judged.why].format(value=value_coded(judged.value) if judged.value else "", correlation=judged.correlation)
 
 
 def sentence(found: Added) -> str:
@@ -35,7 +36,7 @@ def sentence(found: Added) -> str:
     size = next(iter(own))
     done = "was there and is refitted" if found.refitted else "added"
     errors = f"{found.errors.before:.3g} before, {found.errors.after:.3g} after, floor {found.errors.floor:.3g}"
-    text = f"{found.effect} {done}, {row_of(size).field} {size_text(size, own[size], found.fit.std.get(size))}: weighted error {errors}"
+    text = f"{coded(found.effect, first=True)} {done}, {row_of(size).field} {size_text(size, own[size], found.fit.std.get(size))}: weighted error {errors}"
     if found.errors.holdout_before is not None:
         text += f"; on the record held out {found.errors.holdout_before:.3g} before, {found.errors.holdout_after:.3g} after"
     return f"{text}. {'Recommended' if found.recommended else 'Not recommended'}: {reason(found)}."
@@ -58,7 +59,7 @@ def sentence_by_balance(found: BalanceAdded) -> str:
         f" {percent(forces.errors.training)} and {percent(forces.errors.holdout)} after"
     )
     value = f"{row_of(size).field} {size_text(size, forces.values[size], forces.std.get(size))}"
-    return f"{called(found.effect)} {done}, {value}: {errors}. {'Recommended' if found.recommended else 'Not recommended'}: {reason_by_balance(found)}."
+    return f"{coded(called(found.effect), first=True)} {done}, {value}: {errors}. {'Recommended' if found.recommended else 'Not recommended'}: {reason_by_balance(found)}."
 
 
 def percent(value: float) -> str:
@@ -70,4 +71,4 @@ def set_sentence(effect: str, was: float | None) -> str:
     """Of values that were given."""
     size = load_definitions().effect(effect).size.field
     there = f" was there with {size} = {was:g}; it is now" if was is not None else ""
-    return f"{effect}{there} set to given values; nothing was fitted."
+    return f"{coded(effect, first=True)}{there} set to given values; nothing was fitted."

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import By
 from ema_tools.fit.temperature import COPPER_PER_DEGC
+from ema_tools.library.display_names import coded
 from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
@@ -67,11 +68,11 @@ def sentence(found: BalanceAnswer) -> str:
 def _named(found: BalanceAnswer) -> str:
     """The effects, a swing with how often it comes, each with those that these records do not tell from it."""
     units = units_of(found.known, found.records)
-    return ", ".join(f"{called(step.effect)}{_told_of(step, units)}" for step in found.accepted)
+    return ", ".join(coded(called(step.effect), _told_of(step, units)) for step in found.accepted)
 
 
 def _told_of(step: ForceStep, units: MachineUnits) -> str:
-    """What a name alone does not say, in brackets; empty where that is nothing."""
+    """What a name alone does not say; empty where that is nothing."""
     periods = step.values.get(f"{step.effect}.periods")
     told = [units.swing(periods)] if periods is not None else []
     local = record_of(step.effect).local
@@ -83,10 +84,13 @@ def _told_of(step: ForceStep, units: MachineUnits) -> str:
             along_text({name.partition(".")[2]: value for name, value in step.values.items() if name.startswith(f"{step.effect}.")}, units)
         )
     # a torque that is there at any motion may be read and not be
-    alike = [*map(called, step.alike), *(["a zero of the drive's sensor"] if record_of(step.effect).base_value == LOAD else [])]
+    alike = [
+        *(coded(called(one)) for one in step.alike),
+        *(["a zero of the drive's sensor"] if record_of(step.effect).base_value == LOAD else []),
+    ]
     if alike:
         told.append(f"looks like {', '.join(alike)}")
-    return f" ({'; '.join(told)})" if told else ""
+    return "; ".join(told)
 
 
 def along_text(table: Mapping[str, float], units: MachineUnits) -> str:
@@ -155,7 +159,7 @@ def forward_sentence(found: ForwardErrors, units: MachineUnits = TURNING) -> str
             f"Solved forward over half a second under the measured drive, {whose} is off by {found.before:.3g} % before and {found.after:.3g} % after{held}."
         )
     if found.reads_drive and found.drive_before is not None and found.drive_after is not None:
-        names = " and ".join(found.reads_drive)
+        names = " and ".join(coded(name, first=place == 0) for place, name in enumerate(found.reads_drive))
         verb = "reads" if len(found.reads_drive) == 1 else "read"
         told.append(
             f"{names} {verb} the measured drive; foretold from the motion alone, the drive is off by {found.drive_before:.3g} % before and {found.drive_after:.3g} % after."

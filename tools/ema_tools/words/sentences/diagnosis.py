@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ema_tools.data.actuator import Actuator, row_of
+from ema_tools.library.display_names import all_coded, coded, value_words
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of, separating
 from ema_tools.select.outcome import Named
@@ -36,27 +37,27 @@ def _said(found: Answer) -> str:
         if found.sensor is not None:
             return f"{first}{sensor_sentence(found.sensor)} (weighted error {found.errors.before:.3g}, floor {found.errors.floor:.3g})."
         if found.contradicted_by_healthy:
-            would = " and ".join(found.refuted)
+            would = all_coded(found.refuted, " and ")
             return (
                 f"{first}{would} would explain it, but nothing is missing on the record held out, as on a run of the healthy machine, and its error rises: "
                 f"nothing is recommended ({fall})."
             )
         if found.refuted:
             last = unexplained.sentence(found.left[0]) if found.left else ""
-            told = f"{first}something is there, and {' and '.join(found.refuted)} would explain it, but not the record held out, whose error rises"
+            told = f"{first}something is there, and {all_coded(found.refuted, ' and ')} would explain it, but not the record held out, whose error rises"
             return f"{told}: no effect is recommended ({fall}). {last}".strip()
         left = 100.0 * found.diagnosis.unexplained
         text = f"something is there that the library does not hold: {left:.0f} % of the excess stays unexplained"
         return f"{first}{text}. {unexplained.sentence(found.left[0]) if found.left else ''}".strip()
     named = " and ".join(_words(one) for one in found.effects)
     others = [other for one in found.effects for other in one.alike[1:]]
-    alike = f", which looks like {', '.join(others)}" if others else ""
+    alike = f", which looks like {all_coded(others)}" if others else ""
     faults = f"; beside it {faults}" if faults else ""
     apart = _unit_words(found)
     faults += f"; {apart}" if apart else ""
     are = "is" if len(found.refuted) == 1 else "are"
     refuted = (
-        f"; {' and '.join(found.refuted)} would lower the error further but raise that of the record held out, and {are} not recommended"
+        f"; {all_coded(found.refuted, ' and ')} would lower the error further but raise that of the record held out, and {are} not recommended"
         if found.refuted
         else ""
     )
@@ -90,10 +91,10 @@ def next_step(found: Answer) -> str:
     if confused is not None:
         if set(confused.alike) <= {confused.name, *record_of(confused.name).inseparable}:
             would = separating(confused.alike)[0]
-            return f"Next: no command tells {' and '.join(confused.alike)} apart; what would: {would.do}: {would.because}."
+            return f"Next: no command tells {all_coded(confused.alike, ' and ')} apart; what would: {would.do}: {would.because}."
         return f"Next: ema next ACTUATOR --between {' '.join(confused.alike)} says which command tells them apart."
     if found.effects and found.effects[0].name in found.known.active_effects:
-        return f"Next: {found.effects[0].name} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."
+        return f"Next: {coded(found.effects[0].name)} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."
     if found.effects:
         runs = " --healthy REC ..." if found.evidence.relative else ""
         return f"Next: ema add ACTUATOR {found.effects[0].name} --fit REC{runs} -o NEW.toml puts it into the model; then diagnose again."
@@ -104,14 +105,19 @@ def hidden(found: Answer) -> str:
     """What this kind of evidence cannot show."""
     if found.evidence.relative:
         return ""
-    names = ", ".join(sorted({one.title for one in found.evidence.spread}))
+    names = ", ".join(sorted({_value_words(one.title) for one in found.evidence.spread}))
     usual = "the slight ripple, cogging, bend of the friction's law, drop and delay that every machine has"
     return f"Without healthy repeats nothing can be named that a unit's usual distance from its data sheet explains as well ({names}), nor {usual}."
 
 
+def _value_words(name: str) -> str:
+    row = row_of(name)
+    return FAULT_TITLES[name] if name in FAULT_TITLES else value_words(row.text, row.field)
+
+
 def _words(one: Named) -> str:
     size = next(iter(one.values))
-    return f"{one.name} ({row_of(size).field} {size_text(size, one.values[size], one.std.get(size))})"
+    return coded(one.name, f"{row_of(size).field} {size_text(size, one.values[size], one.std.get(size))}")
 
 
 def _fault_words(one: Named, known: Actuator) -> str:

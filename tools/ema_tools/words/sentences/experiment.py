@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from ema_tools.design.menu import Asked, Offence
 from ema_tools.design.next_experiment import SEPARATE, Next
+from ema_tools.library.display_names import all_coded, coded
 from ema_tools.library.measurements import MEASUREMENTS
 from ema_tools.library.registry import separating
 from ema_tools.results.experiment import SafeLimits
@@ -23,7 +24,7 @@ def offence(found: Offence) -> str:
     """Why a command is not safe."""
     verb, unit, scale = _ASKED[found.limit]
     text = f"{verb} {scale * found.value:.3g} {unit}, allowed is {scale * found.allowed:.3g}"
-    return f"with {found.effect} it {text}" if found.effect else text
+    return f"with {coded(found.effect)} it {text}" if found.effect else text
 
 
 def limits(found: SafeLimits) -> str:
@@ -34,7 +35,7 @@ def limits(found: SafeLimits) -> str:
 
 def sentence(found: Next) -> str:
     """The command to run, or that none helps and what would."""
-    names = " and ".join(found.effects) if len(found.effects) == 2 else ", ".join(found.effects)
+    names = all_coded(found.effects, " and " if len(found.effects) == 2 else ", ")
     if not found.options:
         return f"No command of the menu is safe on this actuator: {next(map(offence, found.unsafe.values()), 'the menu is empty')}."
     first = found.options[0]
@@ -43,11 +44,11 @@ def sentence(found: Next) -> str:
         return f"Next: {first.title}, --command {first.command}: it separates {names} by {first.separation:.3g} standard deviations{size} ({SEPARATE:g} tell them apart)."
     if not found.confused:
         each_pair = "; ".join(
-            f"{' and '.join(pair)}: --command {best.command} ({best.pairs[pair]:.3g})" for pair, best in found.best_of_each.items()
+            f"{all_coded(pair, ' and ')}: --command {best.command} ({best.pairs[pair]:.3g})" for pair, best in found.best_of_each.items()
         )
         return f"No single command separates {names}, but each pair has one: {each_pair}."
     most = max(option.separation for option in found.options)
-    pairs = "; ".join(" and ".join(pair) for pair in found.confused)
+    pairs = "; ".join(all_coded(pair, " and ") for pair in found.confused)
     return f"No command of the menu separates {pairs}: at best {most:.2g} standard deviations, {SEPARATE:g} are needed. {' '.join(advice(found))}".strip()
 
 
@@ -58,7 +59,7 @@ def advice(found: Next) -> tuple[str, ...]:
     said = []
     if found.hidden:
         said.append(
-            f"At these sizes no command shows {' or '.join(found.hidden)} plainly: ask again with larger sizes (--set), or with less noise."
+            f"At these sizes no command shows {all_coded(found.hidden, ' or ')} plainly: ask again with larger sizes (--set), or with less noise."
         )
     if found.with_channels is not None:
         names, option = found.with_channels

@@ -12,6 +12,7 @@ from ema_tools.tasks.history import Trend, UnitHistory
 from ema_tools.words.page import text as words
 from ema_tools.words.page.names import FAULT_TITLES, listed
 from ema_tools.words.page.trend import SHORT
+from ema_tools.words.sentences.sizes import significant
 
 
 def summary(units: Sequence[UnitHistory]) -> str:
@@ -86,7 +87,7 @@ def _days(days: float) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
+    return f"{significant(100.0 * share, 2)} %"
 
 
 def day_of(trend: Trend, days: float) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from ema_tools.compare.comparison import TITLES as SIGNAL_TITLES
 from ema_tools.data.actuator import row_of
+from ema_tools.library.display_names import all_coded, coded
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
 from ema_tools.select.cross_check import LITTLE_LEFT, CrossCheck
@@ -40,9 +41,9 @@ def missing_words(checked: CrossCheck) -> str:
             "leave --healthy out, or give healthy records of the machine with it"
         )
     missing = "is not in the model at this size" if checked.there else "is missing from the model"
-    alike = f", which looks like {', '.join(checked.effects[1:])} on this record" if checked.effects[1:] else ""
+    alike = f", which looks like {all_coded(checked.effects[1:])} on this record" if checked.effects[1:] else ""
     who = (
-        f"the signals without {checked.left_out} (does it record what is applied, or what is asked for?) say"
+        f"the signals without the {SIGNAL_TITLES[checked.left_out]} (does it record what is applied, or what is asked for?) say"
         if checked.left_out
         else "all signals say"
     )
@@ -53,7 +54,7 @@ def missing_words(checked: CrossCheck) -> str:
 
 
 def _effect(checked: CrossCheck, size: str) -> str:
-    return f"{checked.effects[0]} ({row_of(size).field} {size_text(size, checked.values[size], checked.std.get(size))})"
+    return coded(checked.effects[0], f"{row_of(size).field} {size_text(size, checked.values[size], checked.std.get(size))}")
 
 
 def _more(checked: CrossCheck) -> str:
@@ -65,6 +66,10 @@ def _more(checked: CrossCheck) -> str:
     return f"record {listed} too"
 
 
+def _signals(found: Iterable[str]) -> str:
+    return ", ".join(SIGNAL_TITLES[name] for name in found)
+
+
 def _shifts(checked: CrossCheck) -> str:
     return ", ".join(f"{TITLES[name]} {round(100.0 * shift, 1) + 0.0:+.1f} %" for name, shift in checked.shift.items())
 
@@ -72,7 +77,7 @@ def _shifts(checked: CrossCheck) -> str:
 def objection_words(found: Identified, checked: CrossCheck) -> str:
     """Why the module's answer does not stand, and what would help, for a list of reasons."""
     if found.objection == "rival":
-        others = f", as do {', '.join(checked.effects[1:])}" if checked.effects[1:] else ""
+        others = f", as do {all_coded(checked.effects[1:])}" if checked.effects[1:] else ""
         return (
             f"{_effect(checked, next(iter(checked.values)))} explains the record as well as a fault{others}: {_more(checked)}, "
             f"or ema next ACTUATOR --between csj {checked.effects[0]} finds a command that tells them apart"
@@ -80,7 +85,7 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
     if found.objection == "healthy":
         return found.doubt
     if found.objection == "signals":
-        return f"the signals together ({', '.join(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
+        return f"the signals together ({_signals(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
     if found.objection == "open" and found.foretold is not None and found.within_climate():
         warmth = f"CSJ by {200.0 * found.foretold.by_temperature:.2g} %"
         return f"today's winding and grease are those of another temperature than on the healthy records, and with it values may differ ({warmth}): healthy records at today's temperature would tell"
@@ -207,16 +212,16 @@ def values_sentence(found: Mapping[str, ValueEntry], search: ValuesSearchEntry) 
     )
     left = "" if search.adequate else "; an effect is missing, which the values have partly taken up"
     count = f"{len(found)} value{'s' if len(found) > 1 else ''}"
-    return f"Of {count} searched at once by {', '.join(search.noise)} the record determines {told} {how}{left}."
+    return f"Of {count} searched at once by {_signals(search.noise)} the record determines {told} {how}{left}."
 
 
 def table_sentence(found: TableFinding) -> str:
     """What a table of signatures says, in one sentence."""
     said = {
         "adequate": "nothing is missing",
-        "missing": f"missing is {found.effect}, size {found.size:.3g}",
+        "missing": f"missing is {coded(found.effect or '', f'size {found.size:.3g}')}",
         "unknown": "something is missing that no effect of the table explains",
         "none": "the record runs another command, so nothing can be said",
     }[found.kind]
-    others = ", ".join(name for name in found.alike if name != found.effect) if found.kind == "missing" else ""
+    others = all_coded(name for name in found.alike if name != found.effect) if found.kind == "missing" else ""
     return f"Table of signatures: {said}{f' (looks like {others})' if others else ''}."

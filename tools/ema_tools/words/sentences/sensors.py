@@ -23,7 +23,7 @@ def sensor_sentence(found: Suspect) -> str:
         )
     if not found.has_form:
         return (
-            f"what is there shows in the {TITLES[found.channel]} alone: without {found.channel} the other signals are as they should be, "
+            f"what is there shows in the {TITLES[found.channel]} ({found.channel}) alone: without it the other signals are as they should be, "
             f"so it is {_BEHIND[found.channel]}"
         )
     parts = []
@@ -34,7 +34,7 @@ def sensor_sentence(found: Suspect) -> str:
     if found.late_s != 0.0:
         parts.append(f"{1e3 * abs(found.late_s):.2g} ms {'late' if found.late_s > 0.0 else 'early'}")
     return (
-        f"what is there looks like the sensor of the {TITLES[found.channel]}, not like the machine: {found.channel} reads {' and '.join(parts)} "
+        f"what is there looks like the sensor of the {TITLES[found.channel]} ({found.channel}), not like the machine: it reads {' and '.join(parts)} "
         f"({100.0 * found.share:.0f} % of the excess), while the other signals are as they should be"
     )
 

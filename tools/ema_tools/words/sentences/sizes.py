@@ -27,7 +27,8 @@ def ends_text(low: float | None, high: float | None) -> str:
         return f"{low:.4g} .. {high:.4g}"
     decimals = 1 - math.floor(math.log10(width))
     if 0 <= decimals <= _DECIMALS:
-        return f"{low:.{decimals}f} .. {high:.{decimals}f}"
+        # no minus zero
+        return f"{round(low, decimals) + 0.0:.{decimals}f} .. {round(high, decimals) + 0.0:.{decimals}f}"
     if decimals < 0 and largest < _WRITTEN:
         return f"{round(low, decimals) + 0.0:.0f} .. {round(high, decimals) + 0.0:.0f}"
     digits = max(2, math.floor(math.log10(largest)) + 1 + decimals)

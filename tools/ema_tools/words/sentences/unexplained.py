@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ema_tools.compare.unexplained import NODES, REPEATS_SHARE, RICHER, LearnedTable, Ranked, Unknown
+from ema_tools.library.display_names import coded
 
 _WORDS = {
     "speed": "with speed",
@@ -26,7 +27,7 @@ def words(one: Ranked) -> str:
 
 def learned_sentence(one: LearnedTable) -> str:
     """What a table is and where it holds."""
-    return f"{one.effect}, a table over {one.axis} seen from {one.first:.4g} to {one.last:.4g} {one.unit}: outside that range it holds its edge value and nothing is known"
+    return f"{coded(one.effect)}, a table over {one.axis} seen from {one.first:.4g} to {one.last:.4g} {one.unit}: outside that range it holds its edge value and nothing is known"
 
 
 def first_sentence(unknowns: Sequence[Unknown]) -> str:

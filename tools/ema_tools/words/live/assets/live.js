@@ -7,7 +7,9 @@
   const charts = new Map();
   let seen = -1, lost = 0;
 
-  const number = (value) => (value >= 0 ? "+" : "−") + Math.abs(value).toFixed(1);
+  // a number stays on one line with its unit
+  const kept = (text) => text.replace(/(?<=\d) (?=%|mm|Nm|µm|s\b)/g, "\u00a0");
+  const minus = (ticks) => ticks.map((tick) => `${tick}`.replace("-", "−"));
   const element = (kind, text, name) => {
     const made = document.createElement(kind);
     if (text !== undefined) made.textContent = text;
@@ -17,15 +19,20 @@
 
   const values = (state) => state.values.map((one) => {
     const box = element("div", undefined, "reply");
-    const [low, high] = one.shift_interval_percent;
-    const between = low === null || high === null ? "" : `95 %: ${number(low)} .. ${number(high)} %`;
     const what = { CSJ: "CSJ, static dry friction", BLK: "BLK, backlash at the rod" }[one.title] ?? one.title;
     box.append(element("dt", one.so_far ? `${what}, by the rows so far` : what));
     const told = element("dd");
-    told.append(element("b", `${number(one.shift_percent)} % of the healthy value`), element("small", one.so_far ? "not held against the other signals yet" : between));
+    told.append(element("b", kept(one.shown)), element("small", kept(one.told)));
     box.append(told);
     return box;
   });
+
+  const switchOf = (name) => document.querySelector(`input[data-show="${name}"]`);
+  for (const box of document.querySelectorAll("input[data-show]")) {
+    box.addEventListener("change", () => {
+      for (const { plots } of charts.values()) for (const plot of plots) plot.series.forEach((one, at) => { if (one.label === box.dataset.show) plot.setSeries(at, { show: box.checked }); });
+    });
+  }
 
   const draw = (channel) => {
     if (typeof uPlot === "undefined") return;
@@ -43,22 +50,26 @@
       left.setAttribute("aria-label", `Residual of the ${channel.title.toLowerCase()} over time`);
       box.append(head, main, left);
       place("plots").append(box);
-      const axes = [0, 1].map(() => ({ stroke: () => css("soft"), grid: { stroke: () => css("grid"), width: 1 }, ticks: { stroke: () => css("grid") } }));
-      axes[1].size = 56;
-      const options = (holder, series) => ({
-        width: holder.clientWidth, height: holder.clientHeight, cursor: { sync: { key: "live" } }, legend: { show: false },
-        scales: { x: { time: false } }, axes, series: [{}, ...series],
+      const axis = { stroke: () => css("soft"), font: `11px ${getComputedStyle(document.body).fontFamily}`, grid: { stroke: () => css("grid"), width: 1 }, ticks: { show: false } };
+      const seconds = (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${tick} s` : `${tick}`));
+      const options = (holder, series, top) => ({
+        width: holder.clientWidth, height: holder.clientHeight, cursor: { sync: { key: "live" } }, legend: { show: false }, padding: [6, 18, 2, 0],
+        scales: { x: { time: false } }, series: [{}, ...series],
+        axes: [
+          top ? { ...axis, size: 4, values: () => [] } : { ...axis, size: 20, gap: 2, values: seconds },
+          { ...axis, size: top ? 63 : 50, gap: 4, space: top ? 26 : 16, label: top ? undefined : `residual, ${channel.residual_unit}`, labelSize: 13, labelFont: axis.font, labelGap: 0, values: (_, ticks) => minus(ticks) },
+        ],
       });
-      const line = (name, width) => ({ stroke: () => css(name), width, points: { show: false } });
+      const line = (name, width) => ({ label: name, stroke: () => css(name), width, points: { show: false }, show: switchOf(name).checked });
       const plots = [
-        new uPlot(options(main, [line("measured", 4), line("after", 1.5)]), [[], [], []], main),
-        new uPlot(options(left, [line("after", 1)]), [[], []], left),
+        new uPlot(options(main, [line("measured", 4), line("after", 1.5)], true), [[], [], []], main),
+        new uPlot(options(left, [line("after", 1)], false), [[], []], left),
       ];
       new ResizeObserver(() => [main, left].forEach((holder, i) => plots[i].setSize({ width: holder.clientWidth, height: holder.clientHeight }))).observe(box);
       chart = { plots, rms };
       charts.set(channel.name, chart);
     }
-    chart.rms.textContent = `residual rms ${channel.rms.toPrecision(3)} ${channel.residual_unit}`;
+    chart.rms.textContent = channel.rms_text;
     chart.plots[0].setData([channel.time, channel.measured, channel.model]);
     chart.plots[1].setData([channel.time, channel.residual]);
   };
@@ -66,11 +77,12 @@
   const show = (state) => {
     place("lamp").className = state.tone;
     place("headline").className = state.tone;
-    if (place("headline").textContent !== state.headline) place("headline").textContent = state.headline;
+    if (place("headline").textContent !== kept(state.headline)) place("headline").textContent = kept(state.headline);
+    place("shown").hidden = !state.channels.length;
     place("state").textContent = `${phases[state.phase]}, ${state.rows} rows, ${state.seconds.toFixed(1)} s`;
-    place("details").replaceChildren(...state.details.map((text) => element("li", text)));
+    place("details").replaceChildren(...state.details.map((text) => element("li", kept(text))));
     place("values").replaceChildren(...values(state));
-    place("notes").textContent = state.notes.join(" · ");
+    if (state.phase !== "waiting" || state.notes.length) place("notes").textContent = state.notes.join(" · ");
     state.channels.forEach(draw);
     document.body.dataset.version = state.version;
     document.body.dataset.phase = state.phase;

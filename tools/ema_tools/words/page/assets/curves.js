@@ -29,6 +29,14 @@
       this.range = this.ends;
       this.id = set.id;
       this.plots = [];
+      const boxes = all(`input[data-show][data-of="${set.id}"]`);
+      this.shown = Object.fromEntries(boxes.map((box) => [box.dataset.show, box.checked]));
+      for (const box of boxes) {
+        box.addEventListener("change", () => {
+          this.shown[box.dataset.show] = box.checked;
+          for (const { plot } of this.plots) plot.series.forEach((one, place) => { if (one.label === box.dataset.show) plot.setSeries(place, { show: box.checked }); });
+        });
+      }
       this.channels = set.channels.map((channel) => {
         const measured = unpack(channel.measured), residual = {}, simulated = {};
         for (const [key, packed] of Object.entries(channel.residual)) {
@@ -73,7 +81,7 @@
       const axis = { stroke: () => css("soft"), font, grid: { stroke: () => css("grid"), width: 1 }, ticks: { show: false } };
       const minus = (ticks) => ticks.map((tick) => `${tick}`.replace("-", "−"));
       const seconds = (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${tick} s` : `${tick}`));
-      const curve = (stroke, width) => ({ stroke: () => css(stroke), width, points: { show: false } });
+      const curve = (label, stroke, width) => ({ label, stroke: () => css(stroke), width, points: { show: false }, show: this.shown[label] ?? true });
       const plot = new uPlot({
         width: place.clientWidth, height: place.clientHeight,
         legend: { show: false }, padding: [6, 18, main ? 2 : 0, 0],
@@ -82,7 +90,7 @@
           main ? { ...axis, size: 4, values: () => [] } : { ...axis, size: 20, gap: 2, values: seconds },
           { ...axis, size: main ? 60 : 47, gap: 4, space: main ? 26 : 18, label: main ? undefined : channel.residual_unit, labelSize: 13, labelFont: font, labelGap: 0, values: (_, ticks) => minus(ticks) },
         ],
-        series: main ? [{}, curve("measured", 3.5), curve(role, 1.4)] : [{}, curve(role, 1)],
+        series: main ? [{}, curve("measured", "measured", 3.5), curve(model, role, 1.4)] : [{}, curve(model, role, 1)],
         cursor: { y: false, points: { size: 6 }, drag: { x: true, y: false, setScale: false, dist: 6 }, sync: { key: this.id, filters: { pub: (type) => type === "mousemove" || type === "mouseleave" } }, bind: { dblclick: () => () => { this.zoom(this.ends); return null; } } },
         hooks: {
           setSelect: [(self) => {

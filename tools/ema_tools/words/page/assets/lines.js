@@ -15,6 +15,7 @@
     const x = Float64Array.from({ length: chart.rows }, (_, i) => i * chart.period_s);
     const whole = [x[0], x[x.length - 1]];
     if (!ranges.has(chart.group)) ranges.set(chart.group, chart.view || whole);
+    const boxes = [...document.querySelectorAll(`input[data-show][data-of="${chart.id}"]`)];
     const curves = chart.series.map((one) => unpack(one.packed));
     const [low, high] = curves.reduce(([a, b], list) => [list.reduce((m, v) => Math.min(m, v), a), list.reduce((m, v) => Math.max(m, v), b)], [Infinity, -Infinity]);
     const room = 0.05 * (high - low) || 1;
@@ -32,7 +33,7 @@
         { ...axis, size: 22, gap: 2, values: (_, ticks) => ticks.map((tick, i) => (i === ticks.length - 1 ? `${tick} s` : `${tick}`)) },
         { ...axis, size: 46, gap: 4, space: 28, label: chart.unit, labelSize: 14, labelFont: font, labelGap: 0, values: (_, ticks) => ticks.map((tick) => `${tick}`.replace("-", "−")) },
       ],
-      series: [{}, ...chart.series.map((one) => ({ label: one.label, stroke: () => css(one.role), width: one.role === "measured" ? 3.5 : 1.5, dash: one.dash, points: { show: false } }))],
+      series: [{}, ...chart.series.map((one) => ({ label: one.label, stroke: () => css(one.role), width: one.role === "measured" ? 3.5 : 1.5, dash: one.dash, points: { show: false }, show: boxes.find((box) => box.dataset.show === one.label)?.checked ?? true }))],
       cursor: { y: false, points: { size: 6 }, drag: { x: true, y: false, setScale: false, dist: 6 }, sync: { key: chart.group, filters: { pub: (type) => type === "mousemove" || type === "mouseleave" } }, bind: { dblclick: () => () => { zoom(whole); return null; } } },
       hooks: {
         setSelect: [(self) => {
@@ -43,12 +44,13 @@
         }],
         setCursor: [(self) => {
           const i = self.cursor.left < 0 ? null : self.cursor.idx;
-          values.textContent = i === null || i === undefined ? "" : `${number(x[i])} s: ` + chart.series.map((one, place) => `${one.label} ${number(curves[place][i])}`).join(" · ") + ` ${chart.unit}`;
+          values.textContent = i === null || i === undefined ? "" : `${number(x[i])} s: ` + chart.series.map((one, place) => (self.series[place + 1].show ? `${one.label} ${number(curves[place][i])}` : "")).filter(Boolean).join(" · ") + ` ${chart.unit}`;
         }],
       },
     }, [x, ...curves], place);
     made.push({ plot, place, group: chart.group });
     place.dataset.drawn = "";
+    for (const box of boxes) box.addEventListener("change", () => plot.series.forEach((one, at) => { if (one.label === box.dataset.show) plot.setSeries(at, { show: box.checked }); }));
     for (const button of document.querySelectorAll(`[data-lines-of="${chart.group}"]`)) {
       const [from, to] = button.dataset.view ? button.dataset.view.split(" ").map(Number) : whole;
       button.addEventListener("click", () => zoom([from, to]));

@@ -65,7 +65,8 @@
 
   const effects = data.effects;
   const rows = [...data.rows, ...effects.flatMap((effect) => effect.rows)];
-  const rowOf = Object.fromEntries(rows.map((row) => [row.name, row]));
+  const unseen = data.unseen; // values without a slider, which a model that is loaded may set
+  const rowOf = Object.fromEntries([...rows, ...unseen].map((row) => [row.name, row]));
   const values = Float64Array.from(data.model.values);
   const model = { values, options: data.model.options };
   const isOn = (effect) => values[effect.rows[0].id] !== effect.rows[0].zero;
@@ -197,6 +198,7 @@
   const inputs = {};
   function setValue(row, value, silent = false) {
     values[row.id] = value;
+    if (!inputs[row.name]) return silent ? undefined : redraw();
     const { slider, number } = inputs[row.name];
     if (value < Number(slider.min)) slider.min = value;
     if (value > Number(slider.max)) slider.max = value;
@@ -246,10 +248,20 @@
       setValue(rowOf[name], value, true);
     }
     effects.forEach(showEffect);
+    tellUnseen();
     redraw();
   }
+  const unlike = () => unseen.filter((row) => values[row.id] !== row.value);
+  // What a model that was loaded sets beside the sliders is said, or the error would be of values that nobody sees.
+  function tellUnseen() {
+    const set = unlike();
+    unseenPart.hidden = !set.length;
+    unseenPart.replaceChildren(make("legend", {}, `${set.length} value${set.length === 1 ? "" : "s"} without a slider, set by the loaded model`),
+      make("ul", {}, ...set.map((row) => make("li", { title: row.remark, "data-set": row.name }, `${row.label}: ${digits(values[row.id])}${row.unit ? ` ${row.unit}` : ""}, was ${digits(row.value)} `, make("code", {}, row.name)))));
+  }
   function reset() {
-    for (const row of rows) setValue(row, row.value, true);
+    for (const row of [...rows, ...unseen]) setValue(row, row.value, true);
+    tellUnseen();
     for (const row of rows) inputs[row.name].tick.checked = row.name === "screw.csj_Nm" || row.name === "screw.blk_mm";
     effects.forEach(showEffect);
     fall.hidden = true;
@@ -464,7 +476,7 @@
     }
   }
   const valueOf = (row) => values[row.id];
-  const texts = { toml: () => EmaText.toml(data.actuator.toml, rows, valueOf), header: () => EmaText.header(data.actuator.header, rows, valueOf) };
+  const texts = { toml: () => EmaText.toml(data.actuator.toml, [...rows, ...unlike()], valueOf), header: () => EmaText.header(data.actuator.header, [...rows, ...unlike()], valueOf) };
   function save(name, text) {
     const url = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
     make("a", { href: url, download: name }).click();
@@ -473,6 +485,7 @@
 
   // ---- the page's part
 
+  const unseenPart = make("fieldset", { class: "bench-unseen", hidden: true });
   const plots = {};
   const plotPart = make("div", { class: "bench-plots", tabindex: "0", role: "group", "aria-label": "Signals of the workbench over time. Plus and minus zoom, arrow keys move, Home shows the whole record.", onkeydown: byKey });
   const errorOut = make("output", { "aria-label": "error" });
@@ -494,6 +507,7 @@
     make("div", { class: "bench-tools" }, fitButton, rankButton, stopButton, resetButton), fall,
     make("p", { class: "note" }, `A tick beside a value: it is fitted, up to ${FITTED_MAX} at once.`),
     make("fieldset", {}, make("legend", {}, "Machine"), ...data.rows.map((row) => valueRow(row, row.name === "screw.csj_Nm" || row.name === "screw.blk_mm"))),
+    unseenPart,
     make("label", { class: "bench-row" }, rod, "Compare the rod position alone, as in flight"),
     make("fieldset", {}, make("legend", {}, "Effects"), ...effects.map(effectPart)),
     drop,
