@@ -193,7 +193,7 @@ def test_the_command_says_names_and_writes_it(tmp_path: Path) -> None:
     again = run_ema(
         "add", actuator, "position_friction", *(part for file in files for part in ("--fit", file)), "-o", tmp_path / "add.toml"
     )
-    assert again.code == 0 and "position_friction added" in again.out
+    assert again.code == 0 and "(position_friction) added" in again.out
     shown = run_ema("effects", "position_friction")
     assert shown.code == 0 and "learned_friction" in shown.out
     assert "drive_lag_s = 2: not a time" in complaint(run_ema("compare", _stated(tmp_path, "drive_lag_s = 2\n"), files[0]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord, read_motion_record
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
+from ema_tools.words.sentences.balance import sentence
 
 PERIOD_S = 0.002
 INERTIA, VISCOUS, DRY, CONSTANT = 3e-4, 5e-4, 0.2, 0.5
@@ -124,3 +126,33 @@ def test_motion_that_the_healthy_records_do_not_tell_is_no_change(tmp_path: Path
     # at one speed friction and drag are one: a tenth of the drag is not known, and the torque of faster motion by as much less
     assert found.healthy is not None
     assert found.doubt_Nm > 0.2 * found.healthy.error_Nm
+
+
+def test_what_the_machine_has_anyhow_is_no_new_effect_when_it_grows(tmp_path: Path, sheet: Actuator) -> None:
+    """The bump at standstill of twice the size: a value that changed, and the error falls with it."""
+    healthy = [record(tmp_path, seed, rise=0.8) for seed in range(5)]
+    found = answer_by_balance(sheet, [record(tmp_path, seed, rise=1.6) for seed in (50, 51, 52)], healthy=healthy)
+    assert (found.verdict, [step.effect for step in found.forces.steps]) == ("adequate", [])
+    assert shares(found) == {"stribeck_friction.rise": pytest.approx(1.0, abs=0.15)}
+    assert found.last.training < 0.5 * found.forces.given.training
+
+
+def test_what_is_nearest_is_told_where_too_few_records_tell_a_change(tmp_path: Path, sheet: Actuator) -> None:
+    healthy = [record(tmp_path, seed, dry=share * DRY) for seed, share in enumerate((0.95, 1.0, 1.05))]
+    found = answer_by_balance(sheet, [record(tmp_path, 50, dry=1.2 * DRY)], healthy=healthy)
+    assert shares(found) == {}
+    assert found.nearest == "screw.csj_Nm"
+    assert "friction (CSJ) comes nearest, +" in sentence(found)
+
+
+def test_much_that_only_an_estimate_calls_chance_is_not_called_adequate(tmp_path: Path, sheet: Actuator) -> None:
+    """Where the drive's sensor leaves a tenth, what is missing may hide in it."""
+    coarse = []
+    for seed in (80, 81):
+        fine = record(tmp_path, seed)
+        assert fine.current_A is not None
+        noise = 0.12 * np.random.default_rng(seed).normal(size=fine.rows)
+        coarse.append(replace(fine, current_A=fine.current_A + np.repeat(noise[::25], 25)[: fine.rows]))
+    found = answer_by_balance(sheet, coarse)
+    assert (found.verdict, found.untellable) == ("unknown", True)
+    assert "do not tell whether what is left is chance" in sentence(found)

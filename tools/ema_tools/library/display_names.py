@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterable
 
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import effect_called
 
 # Words of code names that are written otherwise.
@@ -45,13 +46,23 @@ def all_coded(names: Iterable[str], joint: str = ", ") -> str:
     return joint.join(map(coded, names))
 
 
-def value_coded(name: str) -> str:
-    """A value by what it is, its full name behind it, as in `winding resistance (motor.resistance_ohm)` and `stiffness of spring load (spring_load.stiffness_Nm_per_mm)`."""
+def value_called(name: str) -> str:
+    """A value by what it is, as in `winding resistance` and `stiffness of spring load`; by its name where nothing is known of it."""
     known = load_definitions()
+    fault = next((fault for fault, value in FAULTS.items() if value == name), "")
+    if fault:
+        return within(fault)
     effect, _, field = name.removeprefix("effects.").partition(".")
     if any(effect_called(effect) == one.name for one in known.effects):
-        return f"{_field_words(field)} of {within(effect)} ({name})"
-    return f"{value_words(known.by_name[name].text, field)} ({name})" if name in known.by_name else name
+        return f"{_field_words(field)} of {within(effect)}"
+    return value_words(known.by_name[name].text, field) if name in known.by_name else name
+
+
+def value_coded(name: str) -> str:
+    """The same with its full name behind it, as in `winding resistance (motor.resistance_ohm)`."""
+    called = value_called(name)
+    # a fault has its name in brackets already
+    return called if called == name or called.endswith(")") else f"{called} ({name})"
 
 
 def value_words(text: str, field: str) -> str:

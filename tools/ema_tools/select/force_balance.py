@@ -447,6 +447,7 @@ class ForceSearch:
             base_values(actuator, bench, bench.stated(accepted)),
             float(np.ptp(states.angle_rad)) / (2.0 * math.pi),
             first.values,
+            math.sqrt(float(np.mean(accepted.samples.drive[bench.training] ** 2))),
         )
 
     def patterns_bend(self, effect: str) -> bool:

@@ -43,7 +43,7 @@ class ForceSteps:
     NaN where no lap is repeated, and how the records were divided. `curves` are the torque and the residuals before and after, the records one after another, [samples], for a picture;
     `estimated`: the floor where no lap is repeated; `foretold`: error in % of the drive that the refitted base values, and the last model, foretell from the motion alone;
     `base`: the base values of the last model; `motor_turns`: over which the motor moved in all records;
-    `refitted_values`: the base values refitted before any effect, by name."""
+    `refitted_values`: the base values refitted before any effect, by name; `drive_Nm`: rms of the drive in the parts fitted, of which their errors are."""
 
     actuator: Actuator
     given: FoldErrors
@@ -59,6 +59,7 @@ class ForceSteps:
     base: tuple[BaseValue, ...] = ()
     motor_turns: float = math.inf
     refitted_values: Mapping[str, float] = field(default_factory=dict)
+    drive_Nm: float = math.nan
 
     @property
     def errors(self) -> FoldErrors:

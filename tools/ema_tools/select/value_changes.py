@@ -57,11 +57,12 @@ class _Column:
 @dataclass(frozen=True)
 class Changes:
     """`values`: of the healthy machine, those that have changed and the others; `left_Nm`: rms of what it leaves of today's records as it is, and `doubt_Nm`: by how much that may be off, one
-    standard deviation, for what the healthy records tell of today's motion."""
+    standard deviation, for what the healthy records tell of today's motion; `nearest`: the base value that would explain most of it, where none has surely changed."""
 
     values: tuple[Change, ...]
     left_Nm: float = 0.0
     doubt_Nm: float = 0.0
+    nearest: str = ""
 
 
 class _Today:
@@ -194,7 +195,9 @@ def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[Any
     here = _beside(machine, today, free, records, fixes, names, load)
     if here is None:
         return Changes(tuple(others))
-    return Changes((*_of_base(here), *others), here.error([]), here.doubt_Nm)
+    chosen = _chosen(here)
+    nearest = min(here.columns, key=lambda one: here.error([one])).name if not chosen else ""
+    return Changes((*_of_base(here, chosen, nearest), *others), here.error([]), here.doubt_Nm, nearest)
 
 
 def constant_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> float | None:
@@ -247,13 +250,12 @@ def _fitted_on_both(healthy: ForceRefit, today: ForceRefit, name: str) -> bool:
     return name not in healthy.kept and name not in today.kept and name in today.values and all(map(math.isfinite, stds))
 
 
-def _of_base(today: _Today) -> list[Change]:
-    """Base values: those that have changed, as they are together, and every other as it would be beside them."""
-    chosen = _chosen(today)
+def _of_base(today: _Today, chosen: Sequence[_Column], nearest: str) -> list[Change]:
+    """Base values: those that have changed, as they are together, and every other as it would be beside them; all of the drive only where it has, or is what comes nearest."""
     found = []
     for column in today.columns:
         counts = column in chosen
-        if column.name == CONSTANT and not counts:
+        if column.name == CONSTANT and not counts and nearest != CONSTANT:
             continue
         beside = chosen if counts else [*chosen, column]
         place = beside.index(column)

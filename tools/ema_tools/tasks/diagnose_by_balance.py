@@ -10,9 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from ema_tools.balances.mechanical import mechanical
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare.localisation import Where, where
@@ -25,11 +23,12 @@ from ema_tools.fit.laps import laps_of
 from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.results.localisation import Pictures
-from ema_tools.select.balance_bench import Bench, FoldErrors, compared_percent, given_errors
+from ema_tools.select.balance_bench import Bench, Fitted, FoldErrors, compared_percent, given_errors
 from ema_tools.select.base_values import BaseValue
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_balance import improve_by_forces
-from ema_tools.select.force_steps import ForceStep, ForceSteps
+from ema_tools.select.force_balance import ForceSearch, improve_by_forces
+from ema_tools.select.force_refit import refit_by_forces
+from ema_tools.select.force_steps import ForceStep, ForceSteps, Tried
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
@@ -45,6 +44,9 @@ _MARGINS: dict[FloorFrom, float] = {"laps": 1.2, "healthy records": 1.3, "estima
 _FORETOLD, _MARGIN_FORETOLD = 0.3, 1.5
 # ... or where so much of the drive is left that nobody would call it explained [judgement]
 _MUCH, _MARGIN_MUCH = 10.0, 2.0
+_TELLS = 5.0  # % of the drive, of which more is not called chance on an estimate's word [judgement]
+_GROWN = 1.0  # by which at most what is left of a machine grows with what has changed of it, as a share [judgement]
+_BETTER = 0.9  # of another answer's error, clearly less [judgement]
 _MATTERS = 1.0  # % of the drive by which today's records are worse than any healthy one, in squares, else nobody asks for what is missing [judgement]
 
 
@@ -54,7 +56,8 @@ class BalanceAnswer:
 
     `compared`: what `ema compare` reads of all rows of the records, before and after.
     `pictures`: of records without a controller. With `healthy` records `known` is the machine that these show, `changes` are of its values, and `left_Nm` is what it leaves of today's
-    records as it is, with the standard deviation of that. `base`: base values as fitted, those of the healthy machine where there is one, beside what the actuator as given states.
+    records as it is, with the standard deviation of that; `nearest` is the base value that would explain most of it. `base`: base values as fitted, those of the healthy machine where there is
+    one, beside what the actuator as given states.
     """
 
     records: tuple[AnyRecord, ...]
@@ -71,6 +74,7 @@ class BalanceAnswer:
     left_Nm: float = 0.0
     doubt_Nm: float = 0.0
     base: tuple[BaseValue, ...] = ()
+    nearest: str = ""
 
     @property
     def record(self) -> AnyRecord:
@@ -144,12 +148,7 @@ class BalanceAnswer:
     @property
     def healthy_percent(self) -> float:
         """What is left of the healthy records, in % of today's drive; NaN without any."""
-        return 100.0 * self.healthy.error_Nm / self._drive_Nm if self.healthy is not None else math.nan
-
-    @property
-    def _drive_Nm(self) -> float:
-        """Rms of today's drive."""
-        return float(np.sqrt(np.mean(self.forces.curves["torque_Nm"] ** 2)))
+        return 100.0 * self.healthy.error_Nm / self.forces.drive_Nm if self.healthy is not None else math.nan
 
     @property
     def unexplained(self) -> float | None:
@@ -166,9 +165,17 @@ class BalanceAnswer:
         """Whether the first model leaves more than what is known to be there anyhow."""
         before = self.forces.refitted.training
         if self.healthy is not None:
-            worst = 100.0 * self.healthy.worst_Nm / self._drive_Nm
-            fitted_leaves = self.healthy.beyond(0.01 * before * self._drive_Nm) and math.hypot(_MATTERS, worst) < before
+            # what the model lacks of a force grows with the force
+            grown = 1.0 + min(max((abs(one.today / one.healthy - 1.0) for one in self.changed if one.healthy), default=0.0), _GROWN)
+            worst = 100.0 * grown * self.healthy.worst_Nm / self.forces.drive_Nm
+            fitted_leaves = self.healthy.beyond(0.01 * before * self.forces.drive_Nm / grown) and math.hypot(_MATTERS, worst) < before
             return fitted_leaves or (self.untold and not self.changed)
+        return self._beyond_floor or self.untellable
+
+    @property
+    def _beyond_floor(self) -> bool:
+        """Whether more is left than what records without healthy ones beside them show to be chance."""
+        before = self.forces.refitted.training
         if self.floor_from is None:
             return False
         margin = _MARGINS[self.floor_from]
@@ -177,6 +184,12 @@ class BalanceAnswer:
         if before > _MUCH:
             margin = min(margin, _MARGIN_MUCH)
         return before > margin * self.floor_percent
+
+    @property
+    def untellable(self) -> bool:
+        """Whether so much is left that it is no model's word, and nothing but an estimate says that it is chance: what is missing may be as irregular."""
+        alone = self.healthy is None and self.floor_from != "laps"
+        return alone and not self._beyond_floor and self.forces.refitted.training > _TELLS
 
     @property
     def untold(self) -> bool:
@@ -269,6 +282,29 @@ def _pictures(forces: ForceSteps, records: Sequence[AnyRecord]) -> Pictures | No
     return motion_pictures(forces.actuator, there) if there else None
 
 
+def _with_own_sizes(
+    machine: HealthyByBalance, start: Actuator, forces: ForceSteps, records: Sequence[AnyRecord], fixes: Fixes
+) -> tuple[Actuator, bool] | None:
+    """The machine with what it has anyhow as large as today's records have it, and whether no more is left then than of healthy ones; None where it has nothing of its own, or nothing more than
+    that is left without, and nothing was named."""
+    if not start.active_effects or not (forces.steps or machine.beyond(0.01 * forces.refitted.training * forces.drive_Nm)):
+        return None
+    free = refit_by_forces(start, records, fixes)
+    sized = start.changed({name: value for name, value in free.values.items() if name not in MECHANICAL_PARAMETERS})
+    return sized, not machine.beyond(0.01 * free.errors.training * forces.drive_Nm)
+
+
+def _nothing_more(_search: ForceSearch, _accepted: Fitted, _tried: Tried) -> str:
+    """Why no effect is sought where the machine's own, of another size, leave no more than healthy records do."""
+    return "no change: with what the machine has anyhow as large as it is today, the records leave no more than healthy ones"
+
+
+def _explains(resized: ForceSteps, new: ForceSteps) -> bool:
+    """Whether effects of the machine that are of another size explain its records better than new ones, or as well with fewer."""
+    after, before = resized.errors.training, new.errors.training
+    return after < _BETTER * before or (len(resized.steps) < len(new.steps) and after <= before / _BETTER)
+
+
 def _against(
     machine: HealthyByBalance,
     records: Sequence[AnyRecord],
@@ -281,10 +317,17 @@ def _against(
     known = machine.actuator
     constant = constant_today(machine, records, fixes)
     start = known if constant is None else known.changed({CONSTANT: constant})
-    forces = improve_by_forces(start, records, holdout, report, fixes, machine.veto)
-    if constant is not None:
-        # what the healthy machine leaves is told with its own
+    forces = improve_by_forces(start, records, holdout, lambda share, text: report(0.6 * share, text), fixes, machine.veto)
+    resized = _with_own_sizes(machine, start, forces, records, fixes)
+    if resized is not None:
+        sized, enough = resized
+        veto = _nothing_more if enough else machine.veto
+        again = improve_by_forces(sized, records, holdout, lambda share, text: report(0.6 + 0.4 * share, text), fixes, veto)
+        forces = again if enough or _explains(again, forces) else forces
+    if constant is not None or resized is not None:
+        # what the healthy machine leaves is told with its own values
         forces = replace(forces, given=given_errors(known, Bench(known, records, holdout, fixes)))
+    report(1.0, "done")
     named = {step.effect for step in forces.steps}
     told = changes_of(machine, forces.actuator, records, fixes, named)
     changes = (*told.values, *play_changes(machine, records), *winding_changes(machine, records))
@@ -305,4 +348,5 @@ def _against(
         told.left_Nm,
         told.doubt_Nm,
         (*machine.steps.base, *play_value(known, machine.records)),
+        told.nearest,
     )

@@ -7,13 +7,15 @@ import re
 import shlex
 from dataclasses import dataclass
 
+from ema_tools.library.display_names import value_called
+from ema_tools.library.faults import FAULTS
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BlockEntry
 from ema_tools.results.parts import EffectEntry
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
-from ema_tools.words.page.diagnosis_results import Diagnosed
+from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, read_sizes
 
@@ -101,14 +103,23 @@ def _answerable(result: Diagnosed) -> bool:
 
 
 def _changes(result: Diagnosed) -> list[str]:
-    """Faults with their changes, as in `friction +40 %`."""
+    """What has changed of the machine, faults first, as in `friction (CSJ) +40 %`."""
     told = []
     for name, one in faults(result).items():
         plain = {"csj": "friction (CSJ)", "blk": "backlash (BLK)"}.get(name, name)
         ends = one.shift_interval95
         half = 0.5 * (ends[1] - ends[0]) if ends is not None and ends[0] is not None and ends[1] is not None else None
         told.append(f"{plain} {names.changed(one.shift_percent, half)}" if one.shift_percent is not None else f"{plain} changed")
-    return told
+    return told + [_changed(one) for one in result.changes if one.entry.counts and one.name not in FAULTS.values()]
+
+
+def _changed(one: ShownChange) -> str:
+    """One value that is no fault."""
+    if one.entry.change_percent is None:
+        return f"{value_called(one.name)} changed"
+    low, high = one.entry.interval95
+    half = 50.0 * (high - low) / abs(one.entry.healthy) if low is not None and high is not None else None
+    return f"{value_called(one.name)} {names.changed(one.entry.change_percent, half)}"
 
 
 def _off_sheet(result: Diagnosed) -> list[str]:
@@ -179,8 +190,8 @@ def _holds(result: Diagnosed) -> Reply:
         return Reply(question, "Cannot be told", result.gate_sentence, "unsure")
     if result.verdict != "adequate":
         return Reply(question, "No", against, "bad")
-    if faults(result):
-        return Reply(question, "Yes, worn", against, "unsure")
+    if faults(result) or _changes(result):
+        return Reply(question, "Yes, worn" if faults(result) else "Yes, but changed", against, "unsure")
     return Reply(question, "Yes", against, "good")
 
 

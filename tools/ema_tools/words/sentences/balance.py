@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.division import By
 from ema_tools.fit.temperature import COPPER_PER_DEGC
-from ema_tools.library.display_names import coded
+from ema_tools.library.display_names import coded, value_coded
 from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
@@ -44,7 +44,9 @@ def sentence(found: BalanceAnswer) -> str:
     floor = _FLOORS[found.floor_from].format(found.floor_percent)
     if not found.accepted:
         said = (
-            f"no effect of the library carries over to the {parts} held out"
+            "these records do not tell whether what is left is chance or something that the model lacks: record each motion twice or more"
+            if found.untellable
+            else f"no effect of the library carries over to the {parts} held out"
             if found.verdict == "unknown"
             else "nothing exceeds what the laps repeat"
             if math.isfinite(found.forces.floor_percent)
@@ -117,13 +119,34 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
 
 def _nothing_told(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     """What is said where no effect is missing and no value has surely changed."""
+    nearest = next((one for one in found.changes if one.name == found.nearest), None)
     if found.untold:
-        return "the healthy machine leaves more of these records than its own, and no value alone tells what has changed"
+        return "the healthy machine leaves more of these records than its own, and no value alone tells what has changed" + _nearest(
+            found, nearest
+        )
     if found.exceeds:
         return "what is left is more than of any healthy record, and no effect of the library carries over to what was held out"
     if machine.beyond(found.left_Nm):
-        return "nothing has surely changed: the healthy records do not tell more of this motion; healthy records of the same motion would"
+        count = len(machine.records)
+        return (
+            f"nothing has surely changed: {count} healthy record{'s do' if count > 1 else ' does'} not tell this motion better; more of them, of the same motion, would"
+            + _nearest(found, nearest)
+        )
     return "nothing has changed by more than healthy records differ"
+
+
+def _nearest(found: BalanceAnswer, nearest: Change | None) -> str:
+    """Which value would explain most, and by how much it fell short."""
+    if nearest is None or not nearest.healthy:
+        return ""
+    share, limit = (100.0 * part / abs(nearest.healthy) for part in (nearest.today - nearest.healthy, nearest.limit))
+    title = _title(nearest.name, units_of(found.known, found.records))
+    return f"; {title} comes nearest, {'+' if share > 0.0 else ''}{significant(share, 2)} %, and must differ by more than {significant(limit, 2)} %"
+
+
+def _title(name: str, units: MachineUnits) -> str:
+    """A value by what people call it, its own name behind it."""
+    return value_coded(name) if units.m_per_rad is None else units.title(name)
 
 
 def _changed(one: Change, units: MachineUnits) -> str:
@@ -132,7 +155,7 @@ def _changed(one: Change, units: MachineUnits) -> str:
     (healthy, unit), (today, _) = units.told(one.healthy, row.unit), units.told(one.today, row.unit)
     percent_off = 100.0 * (today - healthy) / abs(healthy) if healthy else 0.0
     share = f" ({'+' if percent_off > 0.0 else ''}{significant(percent_off, 2)} %)" if healthy else ""
-    text = f"{units.title(one.name)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
+    text = f"{_title(one.name, units)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
     if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
         text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer"
     return text

@@ -12,11 +12,12 @@ from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.detection import rate_text
 from ema_tools.fit.division import PARTS, By
+from ema_tools.library.display_names import listed, value_called
 from ema_tools.library.registry import effect_called, record_of
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, ForceCalibration, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
-from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, FloorFrom, ForceStepEntry
+from ema_tools.results.diagnosis import ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult, FloorFrom, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
 from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
@@ -25,7 +26,7 @@ from ema_tools.words.sentences.balance import along_text, forward_sentence, fric
 from ema_tools.words.sentences.base_values import note
 from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
-from ema_tools.words.sentences.sizes import ends_text, size_text
+from ema_tools.words.sentences.sizes import ends_text, significant, size_text
 from ema_tools.words.terminal.console import number, table
 
 _PLACES = 8
@@ -247,7 +248,7 @@ def _several(console: Console, found: Mapping[str, ValueEntry], search: ValuesSe
     console.print(rows)
 
 
-# The verdict is of the effects: values may have changed all the same.
+# The verdict is of the effects: values that have changed stand behind it.
 _VERDICTS = {
     "adequate": "Verdict: adequate: no effect is missing.",
     "missing": "Verdict: missing.",
@@ -301,9 +302,21 @@ def _candidates(console: Console, found: Searched) -> None:
     console.print(rows)
 
 
+def _changed(name: str, one: ChangeEntry) -> str:
+    """A value that has changed, for the first line."""
+    share = "" if one.change_percent is None else f" by {'+' if one.change_percent > 0.0 else ''}{significant(one.change_percent, 2)} %"
+    return f"the {value_called(name)} has changed{share}"
+
+
 def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     """What `ema diagnose` found by the balance of forces."""
-    say(console, _VERDICTS[found.verdict])
+    changed = [_changed(name, one) for name, one in found.changes.items() if one.counts]
+    say(
+        console,
+        f"Verdict: adequate: no effect is missing, but {listed(changed)}."
+        if found.verdict == "adequate" and changed
+        else _VERDICTS[found.verdict],
+    )
     say(console, found.sentence)
     console.print()
     say(console, f"By the balance of forces: {found.method_reason}.")
