@@ -216,7 +216,7 @@ def test_every_recording_is_judged_once(tmp_path: Path) -> None:
     """Also with a worker that is killed on the way; and one worker finds what two do."""
     import psutil
 
-    fleet = make_fleet(tmp_path / "fleet", 4, bad=True)
+    fleet = make_fleet(tmp_path / "fleet", 3, bad=True)
     entries = read_manifest(fleet)
     batches, wanted = planned(entries, tmp_path / "two", guarded=False)
     killed: list[int] = []
@@ -227,7 +227,7 @@ def test_every_recording_is_judged_once(tmp_path: Path) -> None:
             killed.append(workers[-1].pid)
             workers[-1].kill()
 
-    assert run_fleet(batches, workers=2, done=kill_one) == (21, 1)
+    assert run_fleet(batches, workers=2, done=kill_one) == (16, 1)
     assert killed
     rows = list(read_rows(tmp_path / "two" / RESULTS))
     assert sorted(one.key for one in rows) == sorted(wanted.values())
@@ -235,8 +235,8 @@ def test_every_recording_is_judged_once(tmp_path: Path) -> None:
     by_file = {Path(one.file).relative_to(fleet).as_posix(): one for one in rows}
     assert by_file["unit0/2026-07-01.csv"].status == "bad"
     assert "2026-07-01.csv: row 2" in by_file["unit0/2026-07-01.csv"].reason
-    assert by_file["unit3/2026-06-01T0930.csv"].verdict == "fault"
-    assert by_file["unit3/2026-05-01.csv"].verdict == "healthy"
+    assert by_file["unit2/2026-06-01T0930.csv"].verdict == "fault"
+    assert by_file["unit2/2026-05-01.csv"].verdict == "healthy"
 
     one_worker, _ = planned([one for one in entries if one.unit == "unit0"], tmp_path / "one", guarded=False)
     run_fleet(one_worker, workers=1)

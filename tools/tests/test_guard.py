@@ -84,10 +84,11 @@ def check_right(found: Identified, worn: bool, scatter: float = 0.0) -> None:
 
 
 def hidden_cases() -> list[Any]:
-    """Signals, effect and wear."""
+    """Signals, effect and wear; a machine that is not worn by four signals alone, the position of which is one."""
     return [
         pytest.param(effect, worn, only, id=f"{'position' if only else 'four_signals'}-{effect}-{worn}")
         for only, effect, worn in itertools.product((False, True), HIDDEN, (False, True))
+        if worn or not only
     ]
 
 

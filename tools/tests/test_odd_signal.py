@@ -66,10 +66,6 @@ def _sticks(run: Recording) -> Recording:
     return replace(run, position_mm=read)
 
 
-def _jumps(run: Recording) -> Recording:
-    return replace(run, position_mm=run.position_mm + np.where(np.arange(run.position_mm.size) > 5200, 0.03, 0.0))
-
-
 def _saturates(run: Recording) -> Recording:
     return replace(run, current_A=np.clip(run.current_A, -4.0, 4.0))
 
@@ -78,7 +74,6 @@ def _saturates(run: Recording) -> Recording:
     ("errs", "said"),
     [
         (_sticks, "shows in the rod position (position_mm) alone"),
-        (_jumps, "shows in the rod position (position_mm) alone"),
         (_saturates, "shows in the current (current_A) alone"),
     ],
 )
