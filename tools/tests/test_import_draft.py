@@ -147,6 +147,24 @@ def test_the_current_of_an_armature_is_a_drive(tmp_path: Path) -> None:
     columns, text, _ = drafted(tmp_path, "Drehzahl [rpm]", "I_a [A]")
     assert taken(columns)["current_A"] == "I_a [A]"
     assert "where it is one phase of several" in text
+    assert "where it is one phase of several" not in drafted(tmp_path, "Drehzahl [rpm]", "I [A]")[1]
+
+
+def test_voltages_of_phases_are_no_drive(tmp_path: Path) -> None:
+    assert taken(drafted(tmp_path, "Drehzahl [rpm]", "U_a [V]", "U_b [V]", "U_c [V]")[0])["current_A"] == "?"
+    assert taken(drafted(tmp_path, "Drehzahl [rpm]", "U_a [V]")[0])["voltage_V"] == "U_a [V]"
+
+
+def test_a_servo_s_pulse_is_neither_a_time_nor_a_duty_cycle(tmp_path: Path) -> None:
+    columns, text, _ = drafted(tmp_path, "angle_deg", "pwm_us", "iq [A]")
+    assert taken(columns) == {"motor_angle_rad": "angle_deg", "current_A": "iq [A]"} and columns["time_s"]["from"] == "Zeit [s]"
+    assert "how long a pulse is" in line_of(text, "pwm_us")
+
+
+def test_what_a_controller_has_still_to_make_good_is_no_motion(tmp_path: Path) -> None:
+    columns, text, _ = drafted(tmp_path, "Schleppfehler [mm]", "position error [mm]", "iq [A]")
+    assert taken(columns)["motor_speed_rad_s"] == "?"
+    assert "make good" in line_of(text, "Schleppfehler [mm]") and "make good" in line_of(text, "position error [mm]")
 
 
 @pytest.mark.parametrize(
@@ -155,6 +173,7 @@ def test_the_current_of_an_armature_is_a_drive(tmp_path: Path) -> None:
         ("Kraftmessdose [N]", "disturbance_N"),
         ("load [kN]", "disturbance_N"),
         ("External Force [lbf]", "disturbance_N"),
+        ("Prozesskraft [N]", "disturbance_N"),
         ("load torque [Nm]", "disturbance_Nm"),
         ("Lastmoment [Nm]", "disturbance_Nm"),
     ],
@@ -167,6 +186,8 @@ def test_a_load_cell_beside_a_drive_is_a_load(tmp_path: Path, cell: str, name: s
         assert "a load that another sensor measures" in text
     columns, text, _ = drafted(tmp_path, "Weg [mm]", "Kraftmessdose [N]")
     assert columns["force_N"]["from"] == "Kraftmessdose [N]" and "CHECK: a load cell" in text
+    # beside another force it is a load, too
+    assert taken(drafted(tmp_path, "Weg [mm]", "Kraftmessdose [N]", "motor force [N]")[0])["force_N"] == "motor force [N]"
     assert "a force beside another drive" in drafted(tmp_path, "Weg [mm]", "Kraft [N]", "iq [A]")[1]
 
 
@@ -191,6 +212,12 @@ def test_a_load_s_position_is_a_motion(tmp_path: Path) -> None:
         ("i_d", "i_d", ""),
         ("I_C", "I_C", ""),
         ("i_A", "i", "A"),
+        ("n_m", "n_m", ""),
+        ("log.iq_m", "log.iq_m", ""),
+        ("x_s", "x_s", ""),
+        ("log.t_s", "log.t", "s"),
+        ("x_m", "x", "m"),
+        ("way_m", "way", "m"),
     ],
 )
 def test_units_of_names(name: str, bare: str, unit: str) -> None:

@@ -50,16 +50,15 @@ _USUAL_STEPS: Mapping[str, tuple[float, float]] = {"s": (1e-5, 0.09), "ms": (0.0
 # Why a column that looks like one is left out, by what its name says it is.
 _LEFT_OUT: Mapping[Special, str] = {
     "supply": "of the supply and not of the motor: it is no drive",
-    "phase": "of one phase: it goes round with the motor's angle and is no drive, which is the torque-forming current Iq",
+    "phase": "of one phase: it goes round with the motor's angle and is no drive; the torque-forming current Iq is one",
     "field": "along the field: it makes no torque",
     "error": "what a controller has still to make good: no motion and no drive",
     "duty": "a duty cycle: of nominal_voltage it is voltage_V, where no other drive is recorded",
 }
 _SETPOINT = "a setpoint, which the machine follows more or less"
 _ONLY_SETPOINT = "CHECK: a setpoint, and no actual value of it was recognised: right only where the drive follows it closely; name the actual value where there is one"
-_ARMATURE = (
-    "CHECK: the current of a motor with brushes; where it is one phase of several it is no drive, which is the torque-forming current Iq"
-)
+_ARMATURE = "CHECK: the current of a motor with brushes, or of one motor of several; where it is one phase of several it is no drive, which is the torque-forming current Iq"
+_PULSE = "how long a pulse is: asked of a servo or of a bridge, and no drive"
 _CELL_LOAD = "CHECK: a load that another sensor measures, beside the drive: positive where it holds back a motion in the positive direction, else sign = -1"
 _CELL_DRIVE = "CHECK: a load cell, and no current or torque was recognised: a drive only where it measures all that the drive does; a load is disturbance_N"
 _BESIDE = (
@@ -67,7 +66,7 @@ _BESIDE = (
 )
 _STILL = "DOUBTFUL: the same number in all rows: name the column that drives the machine, or a file in which it moves"
 _PHASES_ONLY = (
-    "# currents of the phases are there, and none of them is the drive: the torque-forming current Iq is needed, as the drive's controller has it,",
+    "# only phases are there, and none of them is the drive: the torque-forming current Iq is needed, as the drive's controller has it,",
     "# or the phases' amplitude with the sign of the torque",
 )
 # A duty cycle within one is a share, within a hundred percent; with some room for its noise. [judgement]
@@ -152,6 +151,8 @@ def _guess(column: RawColumn, table: RawTable, units: Units) -> Guess:
         moments = any(":" in text for text in list(column.texts.values())[:3])
         return Guess(column, "time_s", MOMENTS, "dates or times of day in it", "its cells") if moments else Guess(column)
     bare = Guess(column, "", unit, "its name" + (" and unit" if suffix else ""), unit_by, says)
+    if says.special == "duty" and suffix:
+        return replace(bare, said=_PULSE)
     if says.special == "duty":
         return replace(bare, instead="voltage_V", said=_LEFT_OUT["duty"])
     if suffix == "s" or (word == "time" and not suffix):
@@ -214,10 +215,10 @@ def _without_phases(guesses: Sequence[Guess]) -> list[Guess]:
 
 
 def _loads_told(guesses: Sequence[Guess]) -> list[Guess]:
-    """What a load cell measures is a load where a current or a torque is recorded beside it, else it may be the drive."""
+    """What a load cell measures is a load where a current, a torque or another force is recorded beside it, else it may be the drive."""
 
     def drives(one: Guess) -> bool:
-        return one.name_says.special == "phase" or one.target in _AT_SHAFT or one.instead in _AT_SHAFT
+        return one.name_says.special == "phase" or one.target in (*_AT_SHAFT, "force_N") or one.instead in _AT_SHAFT
 
     if any(drives(one) for one in guesses):
         return list(guesses)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -40,8 +41,10 @@ _SUPPLY = re.compile(
 )
 _DUTY = re.compile(r"\bduty|\bpwm|tastgrad|tastverh|aussteuer|modulation")
 _FIELD = re.compile(r"\bi ?d\b|flux.*current|field.*current|feldstrom|magnetisierungsstrom|magneti[sz]ing")
-_ERROR = re.compile(r"\berror\b|\berr\b|deviation|abweichung|schlepp|\blag\b|residual")
-_CELL = re.compile(r"load ?cell|kraftmess|kraftaufnehmer|messdose|w(ä|ae)gezelle|\bdms\b|external|extern|\bload\b|\blast(kraft|moment)?\b")
+_ERROR = re.compile(r"\berr(or)?\b(?! ?(code|number|id|flag|count|bit|word))|deviation|abweichung|schlepp|\blag\b|residual")
+_CELL = re.compile(
+    r"load ?cell|kraftmess|kraftaufnehmer|messdose|w(ä|ae)gezelle|\bdms\b|external|extern|process|prozess|\bload\b|\blast(kraft|moment)?\b"
+)
 _SURE_CELL = re.compile(r"load ?cell|kraftmess|kraftaufnehmer|messdose|w(ä|ae)gezelle|external|extern")
 _LOAD = re.compile(r"disturb|\bst(ö|oe)r")
 # w beside what it is the setpoint of; alone, or of a motor, it is a speed.
@@ -49,11 +52,11 @@ _SETPOINT_W = re.compile(
     r"\b(pos\w*|lage|weg|strom|iq?|current|drehzahl|speed|n|x) w$|^w (pos\w*|lage|weg|strom|iq?|current|drehzahl|n|x)\b"
 )
 _PHASES = (
-    re.compile(r"\bi ?(?:l ?)?(alpha|beta|[abcuvwrst123])\b"),
-    re.compile(r"(?:current|strom|curr?|amps?) ?(?:phase ?)?(?:l ?)?([abcuvw123])\b"),
-    re.compile(r"\bphase[n]? ?(?:strom|current|curr)? ?(?:l ?)?([abcuvwrst123])\b"),
+    re.compile(r"\b[iuv] ?(?:l ?)?(alpha|beta|[abcuvwrst123])\b"),
+    re.compile(r"(?:current|strom|curr?|amps?|volt(?:age)?s?|spannung) ?(?:phase ?)?(?:l ?)?([abcuvw123])\b"),
+    re.compile(r"\bphase[n]? ?(?:strom|current|curr|spannung|voltage)? ?(?:l ?)?([abcuvwrst123])\b"),
 )
-_OF_PHASE = re.compile(r"phase[n]? ?(strom|current|curr)|(current|strom).*phase")
+_OF_PHASE = re.compile(r"phase[n]? ?(strom|current|curr|spannung|voltage)|(current|strom|voltage|spannung).*phase")
 # Names of phases that belong together, and how many of them show that a name is one: two letters of three are no chance, numbers may be those of motors.
 _SETS: Sequence[tuple[frozenset[str], int]] = (
     (frozenset("abc"), 2),
@@ -66,7 +69,7 @@ _SETS: Sequence[tuple[frozenset[str], int]] = (
 
 @dataclass(frozen=True)
 class SpokenName:
-    """What a name says: `kind` of signal (empty where it says none), whether it is asked for or measured, what else it is; `phase`: the phase that it may be of."""
+    """What a name says: `kind` of signal (empty where it says none), whether it is asked for or measured, what else it is; `phase`: A or V and the phase that it may be of."""
 
     kind: str = ""
     role: Role = ""
@@ -80,8 +83,18 @@ def spoken(name: str, unit_suffix: str, units: Units, share: bool = False) -> Sp
     kind = next((word for word, pattern in _WORDS if re.search(pattern, text)), "")
     role = _role(text)
     phase = next((found[1] for found in (pattern.search(text) for pattern in _PHASES) if found), "")
-    if kind not in ("current", "") or unit_suffix not in ("A", ""):
+    if (kind, unit_suffix) not in (
+        ("current", "A"),
+        ("current", ""),
+        ("", "A"),
+        ("", ""),
+        ("voltage", "V"),
+        ("voltage", ""),
+        ("", "V"),
+        ("speed", "V"),
+    ):
         phase = ""
+    phase = phase and ("V" if kind == "voltage" or unit_suffix == "V" else "A") + phase
     return SpokenName(kind, role, _special(text, kind, unit_suffix, share), phase)
 
 
@@ -96,10 +109,10 @@ def is_value_symbol(name: str, units: Units) -> bool:
 
 
 def phases_of(names: Mapping[int, SpokenName]) -> frozenset[int]:
-    """Which columns are currents of phases, by number: several that belong together, or what is called so."""
+    """Which columns are currents or voltages of phases, by number: several that belong together, or what is called so."""
     found = {number for number, one in names.items() if one.special == "phase"}
-    for letters, least in _SETS:
-        members = {number: one.phase for number, one in names.items() if one.phase in letters}
+    for quantity, (letters, least) in itertools.product("AV", _SETS):
+        members = {number: one.phase for number, one in names.items() if one.phase[:1] == quantity and one.phase[1:] in letters}
         if len(set(members.values())) >= least:
             found |= set(members)
     return frozenset(found)
@@ -134,11 +147,10 @@ def _special(text: str, kind: str, suffix: str, share: bool) -> Special:
         return "duty"
     if _ERROR.search(text) and kind != "time":
         return "error"
-    if kind in ("current", "") and suffix in ("A", ""):
-        if _OF_PHASE.search(text):
-            return "phase"
-        if _FIELD.search(text) and (kind or suffix):
-            return "field"
+    if electric and _OF_PHASE.search(text):
+        return "phase"
+    if kind in ("current", "") and suffix in ("A", "") and _FIELD.search(text) and (kind or suffix):
+        return "field"
     mechanical = suffix in ("N", "Nm") or (kind in ("force", "torque", "") and suffix == "")
     if mechanical and not share:
         if _LOAD.search(text):

@@ -28,6 +28,8 @@ _NUMBER = {
 _MOMENT = re.compile(r"(\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]?)?\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?Z?|\d{4}-\d{2}-\d{2}")
 # Letters behind an underscore that are a phase or an axis, and no years, days, hours or speeds of light; degrees only of what is called a temperature.
 _NO_UNITS = frozenset("acdh")
+# Symbols of what is in metres or seconds: behind any other, m is of the motor and s of the screw.
+_SYMBOLS_OF = {"m": "xyzsld", "s": "t"}
 _DEGREES, _WARM = frozenset("CF"), re.compile(r"(?:\b|_)t|temp", re.IGNORECASE)
 _SAMPLE_ROWS = 1000  # rows of a long file by which its layout is told: more would tell no more [effort]
 _HEADERS_MAX = 3  # rows right above the numbers that may hold names and units: names, units, and a remark of the maker [judgement]
@@ -239,8 +241,7 @@ def split_unit(name: str, units: Units) -> tuple[str, str]:
         if not matched:
             continue
         for text in (matched[1], matched[1].replace("_", "/")):
-            letter = pattern.startswith("_") and (text in _NO_UNITS or (text in _DEGREES and not _WARM.search(name)))
-            if units.is_unit(text) and not letter:
+            if units.is_unit(text) and not (pattern.startswith("_") and _is_index(name[: matched.start()], text)):
                 return name[: matched.start()].strip(), text
         if pattern.startswith(r"[\["):
             return name, ""
@@ -248,6 +249,13 @@ def split_unit(name: str, units: Units) -> tuple[str, str]:
     slashes = [place for place, letter in enumerate(name) if letter == "/"] if not units.is_unit(name) else []
     found = next((place for place in slashes if name[:place].strip() and units.is_unit(name[place + 1 :])), None)
     return (name, "") if found is None else (name[:found].strip(), name[found + 1 :].strip())
+
+
+def _is_index(front: str, letter: str) -> bool:
+    """Whether a letter behind an underscore tells symbols apart, n_m from n_s, and is no unit."""
+    if letter in _SYMBOLS_OF and re.search(r"(?:\b|_)[^\W_]{1,2}$", front):
+        return re.search(rf"(?:\b|_)[{_SYMBOLS_OF[letter]}][^\W_]?$", front, re.IGNORECASE) is None
+    return letter in _NO_UNITS or (letter in _DEGREES and not _WARM.search(front))
 
 
 def _body(lines: Sequence[str], first: int, delimiter: str, count: int, decimal: str, file: str) -> tuple[list[int], int | None, int]:
