@@ -76,10 +76,11 @@ def test_a_setpoint_of_the_position_is_the_command(tmp_path: Path, asked: str, a
 
 
 def test_a_setpoint_alone_is_taken_and_said(tmp_path: Path) -> None:
-    columns, text, _ = drafted(tmp_path, "Drehzahl [rpm]", "Momentensollwert [Nm]")
+    columns, text, out = drafted(tmp_path, "Drehzahl [rpm]", "Momentensollwert [Nm]")
     assert taken(columns) == {"motor_speed_rad_s": "Drehzahl [rpm]", "torque_Nm": "Momentensollwert [Nm]"}
     table = text.partition("[columns.torque_Nm]")[2]
     assert "a setpoint, and no actual value of it was recognised" in table.splitlines()[1]
+    assert "torque_Nm: CHECK: a setpoint" in out
     # beside any other drive, or motion, it is none
     assert "torque_Nm" not in drafted(tmp_path, "Drehzahl [rpm]", "Momentensollwert [Nm]", "iq [A]")[0]
     assert "motor_speed_rad_s" not in drafted(tmp_path, "speed_ref_rpm", "angle_deg", "iq [A]")[0]
@@ -136,7 +137,7 @@ def test_currents_of_phases_are_no_drive(tmp_path: Path, phases: tuple[str, ...]
     columns, text, out = drafted(tmp_path, "Drehzahl [rpm]", *phases)
     assert taken(columns) == {"motor_speed_rad_s": "Drehzahl [rpm]", "current_A": "?"}
     assert "the torque-forming current Iq is needed" in text and "amplitude with the sign of the torque" in text
-    assert "columns.current_A.from" in out and "machine.torque_constant" in out
+    assert "current_A: only phases are there" in out and "columns.current_A.from" in out and "machine.torque_constant" in out
     for wanted in ("iq_ist [A]", "torque current [A]", "momentenbildender Strom [A]"):
         columns, text, _ = drafted(tmp_path, "Drehzahl [rpm]", *phases, "i_d [A]", wanted)
         assert taken(columns)["current_A"] == wanted

@@ -65,10 +65,7 @@ _BESIDE = (
     "CHECK: a force beside another drive, and it is the force that counts then: measured between drive and load it is a load, disturbance_N"
 )
 _STILL = "DOUBTFUL: the same number in all rows: name the column that drives the machine, or a file in which it moves"
-_PHASES_ONLY = (
-    "# only phases are there, and none of them is the drive: the torque-forming current Iq is needed, as the drive's controller has it,",
-    "# or the phases' amplitude with the sign of the torque",
-)
+_PHASES_ONLY = "only phases are there, and none of them is the drive: the torque-forming current Iq is needed, or the phases' amplitude with the sign of the torque"
 # A duty cycle within one is a share, within a hundred percent; with some room for its noise. [judgement]
 _DUTY_SHARE, _DUTY_PERCENT = 1.05, 105.0
 
@@ -93,11 +90,12 @@ class Guess:
 
 @dataclass(frozen=True)
 class Draft:
-    """A map to complete: its text, what was guessed, and the entries that are left open."""
+    """A map to complete: its text, what was guessed, the entries that are left open, and what is said of one of these."""
 
     text: str
     guesses: tuple[Guess, ...]
     open_entries: tuple[str, ...] = field(default=())
+    remarks: tuple[str, ...] = field(default=())
 
 
 def draft_map(table: RawTable, units: Units) -> Draft:
@@ -106,6 +104,7 @@ def draft_map(table: RawTable, units: Units) -> Draft:
     guesses = _remarked(_in_place_of_none(_with_time(_distinct(_loads_told(_setpoints_told(read, units))))))
     lines = [*_head(table), ""]
     opened: list[str] = []
+    remarks: list[str] = []
     used = sorted((one for one in guesses if one.target), key=lambda one: ("time_s", *COLUMNS).index(one.target))
     lines += _time_lines(used, table)
     for one in used:
@@ -119,8 +118,9 @@ def draft_map(table: RawTable, units: Units) -> Draft:
             name = names[0] if kind == "drive" else "motor_speed_rad_s"
             phases = kind == "drive" and any(one.name_says.special == "phase" for one in guesses)
             name = "current_A" if phases else name
+            remarks += [f"{name}: {_PHASES_ONLY}"] if phases else []
             lines += [
-                *(_PHASES_ONLY if phases else ()),
+                *((f"# {_PHASES_ONLY}",) if phases else ()),
                 f"[columns.{name}]  # no {kind} was recognised, and a record needs one: {', '.join(names)}",
                 f'from = "{OPEN}"  # the name or the number of its column',
                 f'unit = "{OPEN}"  # {EXAMPLES[suffix_of(name)]}',
@@ -130,7 +130,7 @@ def draft_map(table: RawTable, units: Units) -> Draft:
     lines += _unused([one for one in guesses if not one.target])
     named = {*(one.target for one in used), *(entry.split(".")[1] for entry in opened)}
     machine, machine_open = _machine_lines(used, named, _supply_V(guesses))
-    return Draft("\n".join([*lines, *machine]) + "\n", tuple(guesses), (*opened, *machine_open))
+    return Draft("\n".join([*lines, *machine]) + "\n", tuple(guesses), (*opened, *machine_open), tuple(remarks))
 
 
 def _guess(column: RawColumn, table: RawTable, units: Units) -> Guess:

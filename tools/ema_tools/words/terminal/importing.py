@@ -29,6 +29,8 @@ def print_draft(console: Console, found: DraftResult) -> None:
         guessed.add_row(target, Text(name))
     console.print(guessed)
     console.print()
+    for remark in found.remarks:
+        say(console, remark)
     if found.open:
         say(console, f"still to be filled in: {', '.join(found.open)}")
     command = shlex.join(["ema", "import", "table", found.source, "--map", found.map, "-o", "DIR"])
