@@ -113,6 +113,7 @@ class DraftResult:
     map: str  # file
     guessed: dict[str, str]  # columns of the record and the file's own names of what was taken for them
     open: tuple[str, ...]  # entries that are still to be filled in
+    remarks: tuple[str, ...]  # what is to be checked of a guess, by the record's column
     provenance: Provenance
 
 

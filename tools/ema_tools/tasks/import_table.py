@@ -15,7 +15,7 @@ from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import keep_apart, may_write, write_text
 from ema_tools.data.actuator import FROM_RECORDS, NONE_TAKEN, Actuator, reference_actuator
 from ema_tools.data.incomplete import NONE_OF_IT
-from ema_tools.data.motion_records import MotionRecord, same_samples, write_motion_record
+from ema_tools.data.motion_records import DRIVES, VOLTAGES, MotionRecord, same_samples, write_motion_record
 from ema_tools.data.motion_signals import Origin, Train, drive_torque, integrated, motor_speed, origins
 from ema_tools.data.tables import doubts
 from ema_tools.data.tables.convert import Converted, convert
@@ -91,6 +91,7 @@ def import_tables(names: Sequence[str | Path], map_path: str | Path, folder: str
     unnamed = {name: column for one in files for name, column in one.unnamed.items()}
     remarks = (*_assumed(unnamed, mapped), *doubts.check(records, mapped, unnamed))
     actuator, estimated = start_machine(records, mapped)
+    remarks = (*remarks, *_frictionless(records, actuator, estimated))
     target = Path(folder)
     places = tuple(tuple(target / record.file for record in one.records) for one in files)
     every = [target / ACTUATOR, *(place for part in places for place in part)]
@@ -139,6 +140,15 @@ def _assumed(unnamed: Mapping[str, str], mapped: TableMap) -> tuple[TableRemark,
     """That units were taken from the map alone."""
     told = ", ".join(f'"{column}" in {mapped.columns[name].unit}' for name, column in unnamed.items() if not mapped.columns[name].sure)
     return (TableRemark("assumed", None, None, told, mapped.file),) if told else ()
+
+
+def _frictionless(records: Sequence[MotionRecord], actuator: Actuator, estimated: Sequence[str]) -> tuple[TableRemark, ...]:
+    """That a drive overcomes no friction, which no machine is without."""
+    frictions = _STATED[1:3]
+    if any(name not in estimated or actuator[name] > 0.0 for name in frictions):
+        return ()
+    drive = next(name for name in (*DRIVES, *VOLTAGES) if any(name in record.present for record in records))
+    return (TableRemark("frictionless", None, None, drive),)
 
 
 def _stem(path: Path) -> str:

@@ -10,15 +10,16 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, MissingSignal
-from ema_tools.data.motion_records import DRIVES, MOTIONS, MotionRecord
+from ema_tools.data.motion_records import DRIVES, MOTIONS, VOLTAGES, MotionRecord
 from ema_tools.data.motion_signals import Train, drive_torque, integrated, motor_speed
+from ema_tools.data.tables.drives_agree import check_drives
+from ema_tools.data.tables.lost_signs import check_signs
 from ema_tools.data.tables.motions_agree import check_motions
 from ema_tools.data.tables.plausible_units import check_speeds
 from ema_tools.data.tables.rate import TableRemark
 from ema_tools.data.tables.table_map import TableMap
 from ema_tools.data.tables.units import EXAMPLES, suffix_of
 
-_FOLLOWS = 0.8  # correlation above which two signals are taken for the same drive [judgement]
 _EXPLAINS = 0.3  # share of the drive's variance that a term must explain before its sign is believed [judgement]
 _MOVES_SHARE = 0.05  # of the largest speed: slower rows say nothing about the direction [judgement]
 _CHANGES_SHARE = 0.2  # of the largest speed: where it varies by less it is held and not changed [judgement]
@@ -50,11 +51,11 @@ def check(records: Sequence[MotionRecord], mapped: TableMap, unnamed: Mapping[st
         if not mapped.columns[name].sure:
             _sizes(name, records, mapped)
     _standing(records, mapped)
+    check_signs(records, mapped)
     told = check_motions(records, mapped)
-    for record in records:
-        _drives_agree(record, mapped, train)
+    check_drives(records, mapped)
     check_speeds(records, mapped, unnamed)
-    return (*told, *_power(records, mapped, train))
+    return (*told, *_held(records, mapped), *_power(records, mapped, train))
 
 
 def _all_of(records: Sequence[MotionRecord]) -> str:
@@ -97,16 +98,17 @@ def _standing(records: Sequence[MotionRecord], mapped: TableMap) -> None:
             )
 
 
-def _drives_agree(record: MotionRecord, mapped: TableMap, train: Train) -> None:
-    """Every pair of drive signals by their sign; raises InputError."""
-    names = [name for name in DRIVES if name in record.present and not mapped.columns[name].sure]
-    for place, first in enumerate(names):
-        for second in names[place + 1 :]:
-            one, other = record.recorded(first), record.recorded(second)
-            if np.std(one) > 0.0 and np.std(other) > 0.0 and float(np.corrcoef(one, other)[0, 1]) < -_FOLLOWS:
-                raise InputError(
-                    f"{record.file}: {first} and {second} run against each other: change sign in [columns.{first}] or [columns.{second}] of {mapped.file}"
-                )
+def _held(records: Sequence[MotionRecord], mapped: TableMap) -> list[TableRemark]:
+    """A voltage as the only drive that is the same number in all rows: a supply's, or that of a machine which is switched on and off."""
+    if any(name in record.present for record in records for name in DRIVES):
+        return []
+    names = dict.fromkeys(name for record in records for name in record.present if name in VOLTAGES and not mapped.columns[name].sure)
+    values = {name: [record.recorded(name) for record in records if name in record.present] for name in names}
+    return [
+        TableRemark("held", None, {"value": float(parts[0][0])}, name)
+        for name, parts in values.items()
+        if len({float(one) for part in parts for one in (part.min(), part.max())}) == 1
+    ]
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,8 @@ RemarkKind = Literal[
     "travel",
     "inertia",
     "assumed",
+    "held",
+    "frictionless",
 ]
 GAP_STEPS = 3.5  # a step longer than so many usual ones is a gap that straight lines may not cross: three lost rows are still few of the motion [judgement]
 _EVEN_SHARE = 0.01  # of a step: rows that are off an even rate by less are on it, the error is below a percent of the speed [precision]
@@ -190,7 +192,13 @@ def _regular(times: Reals) -> tuple[Reals, float, TableRemark]:
     if float(np.max(np.abs(steps - counts * usual))) <= max(_EVEN_SHARE * usual, 2.0 * _STAMP_SHARE * _stamp_s(times)):
         total = int(np.sum(counts))
         period_s = _nice(float((times[-1] - times[0]) / total), _EVEN_SHARE * usual / total)
-        return times[0] + period_s * np.arange(total + 1), period_s, TableRemark("filled", None, {"count": float(total - steps.size)})
+        # stamps of whole milliseconds that stray by one lose no row
+        told = (
+            TableRemark("filled", None, {"count": float(total - steps.size)})
+            if total > steps.size
+            else TableRemark("rounded", None, {"period_s": period_s})
+        )
+        return times[0] + period_s * np.arange(total + 1), period_s, told
     period_s = _nice(usual, _EVEN_SHARE * usual)
     grid = times[0] + period_s * np.arange(math.floor((times[-1] - times[0]) / period_s + 1e-9) + 1)
     return (

@@ -26,6 +26,11 @@ _NUMBER = {
     ",": re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eE][+-]?\d+)?"),
 }
 _MOMENT = re.compile(r"(\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]?)?\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?Z?|\d{4}-\d{2}-\d{2}")
+# Letters behind an underscore that are a phase or an axis, and no years, days, hours or speeds of light; degrees only of what is called a temperature.
+_NO_UNITS = frozenset("acdh")
+# Symbols of what is in metres or seconds: behind any other, m is of the motor and s of the screw.
+_SYMBOLS_OF = {"m": "xyzsld", "s": "t"}
+_DEGREES, _WARM = frozenset("CF"), re.compile(r"(?:\b|_)t|temp", re.IGNORECASE)
 _SAMPLE_ROWS = 1000  # rows of a long file by which its layout is told: more would tell no more [effort]
 _HEADERS_MAX = 3  # rows right above the numbers that may hold names and units: names, units, and a remark of the maker [judgement]
 
@@ -214,12 +219,17 @@ def _are_units(cells: Sequence[str], units: Units) -> bool:
 
 
 def _with_units_in_names(names: Sequence[str], given: Sequence[str], units: Units) -> list[str]:
-    """The units, from the names where no row states them: "Speed [rpm]", "Speed (rpm)", "Speed / rpm", "speed_rpm"."""
+    """The units, from the names where no row states them: "Speed [rpm]", "Speed (rpm)", "Speed / rpm", "speed/rpm", "speed_rpm"."""
     return [unit or unit_in_name(name, units) for name, unit in zip(names, given, strict=True)]
 
 
 def unit_in_name(name: str, units: Units) -> str:
     """The unit at the end of a name, empty where there is none."""
+    return split_unit(name, units)[1]
+
+
+def split_unit(name: str, units: Units) -> tuple[str, str]:
+    """A name without its unit, and the unit; the whole name and nothing where it has none."""
     for pattern in (
         r"[\[({]\s*([^\[\](){}]+?)\s*[\])}]\s*$",
         r"\s+in\s+(\S+)\s*$",
@@ -231,11 +241,21 @@ def unit_in_name(name: str, units: Units) -> str:
         if not matched:
             continue
         for text in (matched[1], matched[1].replace("_", "/")):
-            if units.is_unit(text):
-                return text
+            if units.is_unit(text) and not (pattern.startswith("_") and _is_index(name[: matched.start()], text)):
+                return name[: matched.start()].strip(), text
         if pattern.startswith(r"[\["):
-            return ""
-    return ""
+            return name, ""
+    # quantity / unit, as standards have it: "speed/rad/s"; a name that is a unit as a whole is none of a quantity
+    slashes = [place for place, letter in enumerate(name) if letter == "/"] if not units.is_unit(name) else []
+    found = next((place for place in slashes if name[:place].strip() and units.is_unit(name[place + 1 :])), None)
+    return (name, "") if found is None else (name[:found].strip(), name[found + 1 :].strip())
+
+
+def _is_index(front: str, letter: str) -> bool:
+    """Whether a letter behind an underscore tells symbols apart, n_m from n_s, and is no unit."""
+    if letter in _SYMBOLS_OF and re.search(r"(?:\b|_)[^\W_]{1,2}$", front):
+        return re.search(rf"(?:\b|_)[{_SYMBOLS_OF[letter]}][^\W_]?$", front, re.IGNORECASE) is None
+    return letter in _NO_UNITS or (letter in _DEGREES and not _WARM.search(front))
 
 
 def _body(lines: Sequence[str], first: int, delimiter: str, count: int, decimal: str, file: str) -> tuple[list[int], int | None, int]:

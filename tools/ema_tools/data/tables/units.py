@@ -47,8 +47,11 @@ _SPELLINGS: Mapping[str, str] = {
     "°c": "degC",
     "degc": "degC",
     "deg c": "degC",
+    "ºc": "degC",
     "°f": "degF",
+    "ºf": "degF",
     "degf": "degF",
+    "deg f": "degF",
     "sec": "s",
     "secs": "s",
     "seconds": "s",
@@ -84,9 +87,21 @@ _SPELLINGS: Mapping[str, str] = {
     "kgm²": "kg m^2",
     "kg-m2": "kg m^2",
 }
+# No record holds a charge or a capacity.
+_TEMPERATURES: Mapping[str, str] = {"C": "degC", "F": "degF"}
 # Among these spellings some mean another thing in their own case: nanometres and tonnes.
 _CASE_MATTERS = frozenset({"nm", "nmm"})
-SHARES: Mapping[str, float] = {"%": 0.01, "percent": 0.01, "‰": 0.001, "permille": 0.001, "0.1 %": 0.001, "0.1%": 0.001, "1/1000": 0.001}
+SHARES: Mapping[str, float] = {
+    "%": 0.01,
+    "percent": 0.01,
+    "pct": 0.01,
+    "prozent": 0.01,
+    "‰": 0.001,
+    "permille": 0.001,
+    "0.1 %": 0.001,
+    "0.1%": 0.001,
+    "1/1000": 0.001,
+}
 RMS = frozenset({"arms", "a rms", "a_rms", "aeff"})
 COUNTS = ("counts", "count", "cnt", "cts", "inc", "incs", "increments", "qc", "pulses", "ticks")
 # Nominal values that a share may be of, by the suffix of the column's name.
@@ -132,6 +147,8 @@ def plain_unit(text: str) -> str:
     """A unit as Pint reads it, from what files write: brackets off, other spellings replaced."""
     bare = text.strip().strip("[](){}").strip()
     key = bare.lower()
+    if bare in _TEMPERATURES:
+        return _TEMPERATURES[bare]
     if bare != key and key in _CASE_MATTERS and not bare.startswith("N"):
         return bare
     if key in _SPELLINGS and not (key in _CASE_MATTERS and not bare.startswith("N")):

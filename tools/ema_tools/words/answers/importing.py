@@ -13,7 +13,10 @@ from ema_tools.words.sentences.importing import remark_text
 def draft(found: Draft, source: str, target: str, provenance: Provenance) -> DraftResult:
     """What was guessed of a file."""
     guessed = {one.target: one.column.name for one in found.guesses if one.target}
-    return DraftResult("import draft", readable(source), readable(target), guessed, found.open_entries, provenance)
+    remarks = tuple(f"{one.target}: {one.said}" for one in found.guesses if one.target and one.said)
+    return DraftResult(
+        "import draft", readable(source), readable(target), guessed, found.open_entries, (*remarks, *found.remarks), provenance
+    )
 
 
 def tables(found: TablesImported, provenance: Provenance) -> TableImportResult:

@@ -29,6 +29,10 @@ _SAID: Mapping[RemarkKind, str] = {
     "inertia": "{column} speeds up {times:.3g} times the inertia of [machine]: a load that was not counted, or counts per turn, lead, torque constant or nominal value are off by so much;"
     " ema diagnose fits it, with its interval",
     "assumed": "no unit is named in the file for {column}: taken so because {other} says so",
+    "held": "{column} is {value:g} in all rows, and no other drive is recorded: doubtful, a supply's voltage is not the motor's: check from in [columns.{column}], and name the motor's voltage,"
+    " its current or its duty cycle",
+    "frictionless": "the records show no friction at all, neither dry nor viscous: {column} is doubtful as the drive of this motion: check from, unit and sign in [columns.{column}],"
+    " and that it is the motor's actual value, of the same run as the motion",
     "copy": "the same samples came as {column}, too: one of the two is enough, and a diagnosis refuses both together",
 }
 _MADE: Mapping[Origin, str] = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from pathlib import Path
 
 from rich.console import Console
@@ -28,9 +29,12 @@ def print_draft(console: Console, found: DraftResult) -> None:
         guessed.add_row(target, Text(name))
     console.print(guessed)
     console.print()
+    for remark in found.remarks:
+        say(console, remark)
     if found.open:
         say(console, f"still to be filled in: {', '.join(found.open)}")
-    say(console, f"next: check units and signs in {found.map}, then ema import table {found.source} --map {found.map} -o DIR")
+    command = shlex.join(["ema", "import", "table", found.source, "--map", found.map, "-o", "DIR"])
+    say(console, f"next: check units and signs in {found.map}, then {command}")
 
 
 def print_tables(console: Console, found: TableImportResult) -> None:
