@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -458,6 +459,25 @@ def test_a_motor_along_a_line_is_told_by_what_its_data_sheet_says(tmp_path: Path
         MAP + '[machine]\nlead = "32 mm"\nratio = 2\n' + "".join(f"{name} = {value}\n" for name, value in zip(names, along, strict=True))
     )
     assert [read_map(path).machine[name] for name in names] == pytest.approx(shaft, rel=1e-12)
+
+
+@pytest.mark.parametrize("late_s", [0.02, 0.0123, -0.015])
+def test_a_column_of_another_clock_is_moved_to_where_it_belongs(tmp_path: Path, late_s: float) -> None:
+    time_s, speed, torque = run()
+    late = np.interp(time_s - late_s, time_s, torque)
+    lines = ["t,n,m", *(",".join(map(repr, row)) for row in np.column_stack([time_s, speed, late]).tolist())]
+    table_map = (
+        '[columns.time_s]\nfrom = "t"\nunit = "s"\n[columns.motor_speed_rad_s]\nfrom = "n"\nunit = "rad/s"\n'
+        f'[columns.torque_Nm]\nfrom = "m"\nunit = "Nm"\ndelay = "{1e3 * late_s} ms"\n'
+    )
+    record = read_motion_record(imported(tmp_path, "a.csv", "\n".join(lines), table_map) / "a.csv")
+    assert record.torque_Nm is not None and record.motor_speed_rad_s is not None
+    assert record.rows == time_s.size - math.ceil(abs(late_s) / record.period_s - 1e-9)
+    # by straight lines there and back: off by what the torque bends in a row
+    assert np.max(np.abs(np.interp(record.time_s, time_s, speed) - record.motor_speed_rad_s)) < 1e-6 * np.max(np.abs(speed))
+    inside = slice(5, -5)
+    off = np.interp(record.time_s, time_s, torque)[inside] - record.torque_Nm[inside]
+    assert np.quantile(np.abs(off), 0.95) < 0.02 * np.ptp(torque)
 
 
 def test_a_stated_layout_is_taken(tmp_path: Path) -> None:

@@ -243,7 +243,7 @@ def test_a_changed_friction_is_a_fault_of_the_machine_with_its_interval() -> Non
     low, high = fault["interval95"]["csj_Nm"]
     assert low < 1.3 * TRUE[CSJ] < high and high - low < 0.3 * TRUE[CSJ] and fault["accepted"]
     assert result["changes"]["screw.csj_Nm"]["counts"] and not result["changes"]["screw.inertia_kgm2"]["counts"]
-    assert result["mode"] == "against healthy records" and "csj_Nm has changed from" in result["sentence"]
+    assert result["mode"] == "against healthy records" and "friction (CSJ) has changed from" in result["sentence"]
 
 
 @pytest.mark.slow

@@ -106,7 +106,11 @@ def _late(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[R
         f"the drive is about {1e3 * abs(best) * step_s:.0f} ms {'behind' if best > 0 else 'ahead of'} the motion: so shifted, "
         f"inertia and friction leave {errors[best]:.3g} % of it instead of {errors[0]:.3g} %"
     )
-    return [RecordRemark("clock", "weakens", text, "record both by one clock, or shift one of them")]
+    later = "the drive" if best > 0 else "the motion"
+    wanted = (
+        f'record both by one clock, or import again with delay = "{1e3 * abs(best) * step_s:.0f} ms" in the map, at the column of {later}'
+    )
+    return [RecordRemark("clock", "weakens", text, wanted)]
 
 
 def _yielding(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[Reals]:

@@ -75,14 +75,30 @@ def convert(path: Path, mapped: TableMap, units: Units | None = None) -> Convert
     ends = [""] if len(pieces) == 1 else [f"_{number}" for number in range(1, len(pieces) + 1)]
     ordered = [name for name in COLUMNS if name in columns]
     records = tuple(
-        MotionRecord(piece.period_s, f"{stem}{end}.csv", piece.first_time_s).with_columns(
-            {name: piece.columns[name] for name in ordered if not np.isnan(piece.columns[name]).any()}
+        _at_one_time(
+            MotionRecord(piece.period_s, f"{stem}{end}.csv", piece.first_time_s).with_columns(
+                {name: piece.columns[name] for name in ordered if not np.isnan(piece.columns[name]).any()}
+            ),
+            mapped,
         )
         for piece, end in zip(pieces, ends, strict=True)
     )
     return Converted(
         path, records, tuple(remarks), {name: column for name, column in unnamed.items() if mapped.columns[name].unit != MOMENTS}
     )
+
+
+def _at_one_time(record: MotionRecord, mapped: TableMap) -> MotionRecord:
+    """The record with each column that comes late, or early, moved to where it belongs; rows that not all columns reach then are left out. Raises InputError where none is left."""
+    delays = {name: mapped.columns[name].delay_s / record.period_s for name in record.present}
+    early, late = (max(math.ceil(side * delay) for delay in (0.0, *delays.values())) for side in (-1.0, 1.0))
+    if not early and not late:
+        return record
+    if record.rows <= early + late:
+        raise InputError(f"{mapped.file}: the delays of columns are longer than {record.file}: correct delay, or leave it out")
+    places = np.arange(early, record.rows - late, dtype=np.float64)
+    moved = {name: np.interp(places + delay, np.arange(record.rows), record.recorded(name)) for name, delay in delays.items()}
+    return MotionRecord(record.period_s, record.file, record.first_time_s + early * record.period_s).with_columns(moved)
 
 
 def found_column(table: RawTable, name: str, column: ColumnMap, map_file: str) -> RawColumn:

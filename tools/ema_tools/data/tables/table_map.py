@@ -22,7 +22,7 @@ from ema_tools.data.tables.units import EXAMPLES, NOMINAL, Units, suffix_of
 OPEN = "?"  # what the draft writes where only its user knows
 AUTO = "auto"
 TABLES = ("file", "columns", "machine")
-COLUMN_KEYS = ("from", "unit", "sign", "scale", "offset", "period", "sure")
+COLUMN_KEYS = ("from", "unit", "sign", "scale", "offset", "delay", "period", "sure")
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ WORDS = ("name", "source")
 class ColumnMap:
     """Where a column of the record comes from: the file's own name or the number of the column, value = sign (scale raw + offset) in `unit`; `period_s` for a time that is not in the file.
 
-    `sure`: its user says that it is right as it is, whatever it looks like.
+    `delay_s`: by so much it was recorded later than it was. `sure`: its user says that it is right as it is, whatever it looks like.
     """
 
     source: str | int | None
@@ -86,6 +86,7 @@ class ColumnMap:
     offset: float = 0.0
     period_s: float | None = None
     sure: bool = False
+    delay_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -246,12 +247,17 @@ def _column(name: str, table: object, file: str) -> ColumnMap:
     sure = table.get("sure", False)
     if not isinstance(sure, bool):
         raise InputError(f"{where}.sure = {sure}: {_wanted('sure', name)}")
+    delay, delay_s = table.get("delay"), 0.0
+    if delay is not None:
+        if not isinstance(delay, str) or name == "time_s":
+            raise InputError(f"{where}.delay = {delay}: {_wanted('delay', name)}")
+        delay_s = Units().value(delay, "s", f"{where}.delay", '"24 ms"')
     period_s = None
     if period is not None:
         if not isinstance(period, str):
             raise InputError(f'{where}.period = {period}: has no unit: write for example period = "1 ms"')
         period_s = Units().value(period, "s", f"{where}.period", '"1 ms"')
-    return ColumnMap(source, unit, period_s=period_s, sure=sure, **numbers)
+    return ColumnMap(source, unit, period_s=period_s, sure=sure, delay_s=delay_s, **numbers)
 
 
 def _wanted(key: str, name: str) -> str:
@@ -262,6 +268,7 @@ def _wanted(key: str, name: str) -> str:
         "sign": "write 1, or -1 where the file counts against the machine's positive direction",
         "scale": "write the number by which the file's values are multiplied before their unit counts, not 0",
         "offset": "write the number that is added to the file's values, in their unit",
+        "delay": 'write for example delay = "24 ms", by which the column is recorded later than the others; of time there is none',
         "period": 'write for example period = "1 ms"',
         "sure": "write true where the column is right whatever it looks like",
     }[key]
