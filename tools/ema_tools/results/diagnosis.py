@@ -221,7 +221,9 @@ class DiagnosisByBalanceResult:
     method_reason: str = ""  # why this method
     mode: Literal["laps of one record", "stretches of one record", "several records", "against healthy records"]
     effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
-    faults: dict[str, EffectEntry] = field(default_factory=dict)  # with healthy records a changed csj; the balance knows no play
+    faults: dict[str, EffectEntry] = field(
+        default_factory=dict
+    )  # with healthy records a changed csj, and a blk where both positions are recorded
     standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
     healthy: HealthyEntry | None = field(default=None, metadata=SPARE)  # None without healthy records
     changes: dict[str, ChangeEntry] = field(default_factory=dict)  # of the healthy machine's values, by full name
@@ -231,6 +233,8 @@ class DiagnosisByBalanceResult:
     forward: ForwardErrors | None = field(default=None, metadata=SPARE)
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
+    # unknown for the reason alone that these records do not tell whether what is left, which is much, is chance
+    untellable: bool | None = field(default=None, metadata=SPARE)
     steps: tuple[StepEntry, ...] = ()
     forces: Forces
     # base values of the last model, with healthy records those of the healthy machine, by full name; None in files of before

@@ -29,6 +29,7 @@ from ema_tools.select.healthy_balance import HealthyByBalance, least_scatter
 
 CONSTANT = "motor.torque_constant_Nm_per_A"
 _CLEAR_CHANGE = 1.1  # times the error is, or more, where a value stays as it was healthy, that has clearly changed [judgement]
+_LEAST_CHANGE = 0.03  # of a value, that few records may differ by on other days, and nobody acts upon [judgement]
 _CLEARER = 0.95  # of the error of any single value must the drive as a whole leave, to be what has changed [judgement]
 
 
@@ -153,7 +154,7 @@ class _Today:
 
 
 def _limit(today: _Today, chosen: Sequence[_Column], place: int) -> float:
-    return today.machine.limit(chosen[place].scatter, today.std(chosen, place))
+    return max(today.machine.limit(chosen[place].scatter, today.std(chosen, place)), _LEAST_CHANGE * abs(chosen[place].healthy))
 
 
 def _clearly(today: _Today, before: Sequence[_Column], after: Sequence[_Column]) -> bool:
@@ -280,6 +281,8 @@ def _of_effects(
         spread, stds = least_scatter(machine.actuator, name, healthy), (machine.refit.std[name], free.std[name])
         limit = machine.limit(spread, *stds)
         if name.endswith("phase_rad"):
+            if not limit < math.pi:
+                continue
             # the turn nearest to the healthy one
             value = healthy + math.remainder(value - healthy, 2.0 * math.pi)
         counts = abs(value - healthy) > limit

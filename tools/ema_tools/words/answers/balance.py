@@ -68,6 +68,7 @@ def diagnosis_by_balance(
         forward=forward(found.forward),
         next_experiment=next_step(found),
         unexplained=found.unexplained,
+        untellable=(found.verdict == "unknown" and found.untellable) or None,
         steps=_steps(way),
         forces=forces_of(way, found.compared),
         base={shown(row_of(one.name)): _base(one) for one in found.base},

@@ -153,6 +153,8 @@ def _sentence(result: Diagnosed) -> str:
         worn = f"; {names.listed(changed)}" if changed else f"; {names.listed(off)} off the data sheet" if off else ""
         return f"The model does not hold. {first} {'are' if len(named) > 1 else 'is'} missing{worn}."
     if result.verdict == "unknown":
+        if _untellable(result):
+            return f"The model leaves {_size(result, result.errors.get('before', 0.0))} of the drive, and these records do not tell whether that is chance or something missing."
         if _sensor(result):
             return f"The model does not explain this record: it looks as if the {_suspected(result)} is at fault."
         if _refuted(result):
@@ -163,6 +165,11 @@ def _sentence(result: Diagnosed) -> str:
     if off:
         return f"The model holds with other values than the data sheet's: {names.listed(off)}."
     return "The model holds. Nothing is missing, and nothing has changed." if result.relative else "The model holds: nothing is missing."
+
+
+def _untellable(result: Diagnosed) -> bool:
+    """Whether these records do not tell chance from something missing."""
+    return isinstance(result.found, DiagnosisByBalanceResult) and bool(result.found.untellable)
 
 
 def _refuted(result: Diagnosed) -> bool:
@@ -188,6 +195,8 @@ def _holds(result: Diagnosed) -> Reply:
         )
     if not _answerable(result):
         return Reply(question, "Cannot be told", result.gate_sentence, "unsure")
+    if _untellable(result):
+        return Reply(question, "Cannot be told", against, "unsure")
     if result.verdict != "adequate":
         return Reply(question, "No", against, "bad")
     if faults(result) or _changes(result):

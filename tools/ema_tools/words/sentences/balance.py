@@ -44,7 +44,7 @@ def sentence(found: BalanceAnswer) -> str:
     floor = _FLOORS[found.floor_from].format(found.floor_percent)
     if not found.accepted:
         said = (
-            "these records do not tell whether what is left is chance or something that the model lacks: record each motion twice or more"
+            "these records do not tell whether what is left is chance or something that the model lacks"
             if found.untellable
             else f"no effect of the library carries over to the {parts} held out"
             if found.verdict == "unknown"
@@ -205,12 +205,19 @@ def lag_sentence(lag_s: float) -> str:
 
 def next_step(found: BalanceAnswer) -> str:
     """What to do next."""
+    doubted = next((one for gate in found.gates for one in gate.remarks if one.topic == "clock" and one.severity == "weakens"), None)
+    if doubted is not None and not found.accepted and found.exceeds:
+        return f"Next: {doubted.next}; then diagnose again."
+    if found.untellable and found.verdict == "unknown":
+        return "Next: record each motion twice or more, so that what repeats is told from chance."
     if found.healthy is not None and not found.accepted and found.changed:
         return "Next: look at what has changed on the machine; ema calibrate writes a model of it as it is now."
     if found.healthy is not None and not found.exceeds and not found.accepted:
         return "Next: nothing; keep these healthy records, and add runs of other days, so that scatter from day to day is known."
     if found.accepted:
-        return "Next: --fitted NEW.toml writes the model with these effects; hold it against a record of another motion with ema compare."
+        return (
+            "Next: hold the model with these effects, which --fitted NEW.toml writes, against a record of another motion with ema compare."
+        )
     if found.exceeds:
         return "Next: record another motion, slow and fast and both ways, so that what is left can be told by speed, place and direction."
     return "Next: nothing that these records ask for; a record of another motion, slow and fast and both ways, would try the model further."

@@ -308,15 +308,17 @@ def _changed(name: str, one: ChangeEntry) -> str:
     return f"the {value_called(name)} has changed{share}"
 
 
+def _first_line(found: DiagnosisByBalanceResult) -> str:
+    """The verdict, with what has changed of the machine."""
+    changed = [_changed(name, one) for name, one in found.changes.items() if one.counts]
+    if found.verdict == "adequate" and changed:
+        return f"Verdict: adequate: no effect is missing, but {listed(changed)}."
+    return "Verdict: unknown: chance or something missing, these records do not tell." if found.untellable else _VERDICTS[found.verdict]
+
+
 def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
     """What `ema diagnose` found by the balance of forces."""
-    changed = [_changed(name, one) for name, one in found.changes.items() if one.counts]
-    say(
-        console,
-        f"Verdict: adequate: no effect is missing, but {listed(changed)}."
-        if found.verdict == "adequate" and changed
-        else _VERDICTS[found.verdict],
-    )
+    say(console, _first_line(found))
     say(console, found.sentence)
     console.print()
     say(console, f"By the balance of forces: {found.method_reason}.")
