@@ -12,12 +12,12 @@ from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.data.actuator import row_of, shown
 from ema_tools.fit.detection import rate_text
 from ema_tools.fit.division import PARTS, By
-from ema_tools.library.display_names import listed, value_called
+from ema_tools.library.display_names import listed, value_called, within
 from ema_tools.library.registry import effect_called, record_of
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult, ForceCalibration, OwnMachineEntry, RodModel
 from ema_tools.results.comparison import ComparisonResult
-from ema_tools.results.diagnosis import ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult, FloorFrom, ForceStepEntry
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult, FloorFrom, ForceStepEntry
 from ema_tools.results.identification import IdentificationResult, ValueEntry, ValuesSearchEntry
 from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
@@ -266,7 +266,7 @@ def diagnosed(console: Console, found: DiagnosisResult | DiagnosisByBalanceResul
 
 def diagnosis(console: Console, found: DiagnosisResult, searched: Searched) -> None:
     """What `ema diagnose` found, in the order in which a user asks; `searched` ranks effects and faults together."""
-    say(console, _VERDICTS[found.verdict])
+    say(console, _first_line(found))
     say(console, found.sentence)
     console.print()
     say(console, f"By simulation: {found.method_reason}.")
@@ -302,18 +302,23 @@ def _candidates(console: Console, found: Searched) -> None:
     console.print(rows)
 
 
-def _changed(name: str, one: ChangeEntry) -> str:
-    """A value that has changed, for the first line."""
-    share = "" if one.change_percent is None else f" by {'+' if one.change_percent > 0.0 else ''}{significant(one.change_percent, 2)} %"
-    return f"the {value_called(name)} has changed{share}"
+def _changed(called: str, percent: float | None) -> str:
+    """What has changed, for the first line."""
+    share = "" if percent is None else f" by {'+' if percent > 0.0 else ''}{significant(percent, 2)} %"
+    return f"the {called} has changed{share}"
 
 
-def _first_line(found: DiagnosisByBalanceResult) -> str:
+def _first_line(found: DiagnosisResult | DiagnosisByBalanceResult) -> str:
     """The verdict, with what has changed of the machine."""
-    changed = [_changed(name, one) for name, one in found.changes.items() if one.counts]
+    if isinstance(found, DiagnosisByBalanceResult):
+        changed = [_changed(value_called(name), one.change_percent) for name, one in found.changes.items() if one.counts]
+        if found.untellable:
+            return "Verdict: unknown: chance or something missing, these records do not tell."
+    else:
+        changed = [_changed(within(name), one.shift_percent) for name, one in found.faults.items() if one.accepted]
     if found.verdict == "adequate" and changed:
         return f"Verdict: adequate: no effect is missing, but {listed(changed)}."
-    return "Verdict: unknown: chance or something missing, these records do not tell." if found.untellable else _VERDICTS[found.verdict]
+    return _VERDICTS[found.verdict]
 
 
 def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
