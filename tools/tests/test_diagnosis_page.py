@@ -107,7 +107,8 @@ def test_where_nothing_is_named_the_nearest_effects_are_and_how_far_off_they_are
     assert (
         f"nearest is {names.within(name)}, which leaves {words.number(left / data['error']['floor'], 2)} times the noise level" in told.more
     )
-    assert f"next best {names.within(other)}, {words.number(worse / left, 2)} times its error" in told.more
+    far = f"{words.number(worse / left, 2)} times its error" if worse >= 1.05 * left else "hardly worse"
+    assert f"next best {names.within(other)}, {far}" in told.more
     bare = said({**data, "effects": []}).replies[2]
     assert bare.more.endswith("no effect that was tried takes anything off")
 

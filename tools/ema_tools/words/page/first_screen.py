@@ -21,6 +21,7 @@ from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of,
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
+_WORSE = 1.05  # times an error, from which on it is told as worse [layout]
 NEAR = 1.1  # an error this close to the noise level is at it [judgement]
 
 
@@ -286,11 +287,12 @@ def _nearest(result: Diagnosed) -> list[str]:
     far = f"{words.number(left / floor, 2)} times the noise level" if floor else f"an error of {_size(result, left)}"
     alike = {other for one in result.suspects if one.name == name for other in one.alike}
     other = next(((one, error) for one, error in tried[1:] if one not in alike), None)
-    worse = (
-        f"; next best {names.within(other[0])}, {words.number(other[1] / left, 2)} times its error"
-        if other is not None and left > 0.0
-        else ""
-    )
+    worse = ""
+    if other is not None and left > 0.0:
+        times = other[1] / left
+        worse = (
+            f"; next best {names.within(other[0])}, {f'{words.number(times, 2)} times its error' if times >= _WORSE else 'hardly worse'}"
+        )
     return [f"nearest is {names.within(name)}, which leaves {far}{worse}"]
 
 
