@@ -590,27 +590,42 @@ def _covariance(columns: Reals, residual: Reals, of_record: NDArray[np.int64]) -
 
 
 def floor_of(bench: Bench, fit: Fitted) -> float:
-    """How far one complete lap is from the others in what a fit leaves of the torque, as relative error in %: no model of a lap can beat it. NaN where no record repeats itself."""
+    """How far one complete lap is from the others in what a fit leaves of the torque where it slides, as relative error in %: no model of a lap can beat it. NaN where no record repeats itself.
+
+    Laps are never the same motion, and friction answers at rest whatever there is: neither is chance, and with either the floor would be one of the model, and no property of the records.
+    """
     squares = total = 0.0
     for number, (laps, smoother) in enumerate(zip(bench.division.laps, bench.smoothers, strict=True)):
         here = bench.of_record == number
-        found = _scatter_of_laps(fit.residual[here], fit.samples.drive[here], laps.period_rows / smoother.every)
+        moved = fit.samples.base[here]
+        found = _scatter_of_laps(fit.residual[here], fit.samples.drive[here], moved, bench.sliding[here], laps.period_rows / smoother.every)
         if found is not None:
             squares, total = squares + found[0], total + found[1]
     return 100.0 * math.sqrt(squares / total) if total > 0.0 else math.nan
 
 
-def _scatter_of_laps(residual: Reals, drive: Reals, period: float) -> tuple[float, float] | None:
-    """Squared distance of the laps of one record from their mean, `period` samples each, and the square of the drive; None where no lap is repeated."""
+def _scatter_of_laps(residual: Reals, drive: Reals, moved: Reals, sliding: Rows, period: float) -> tuple[float, float] | None:
+    """Squared distance of the laps of one record from their mean, `period` samples each, and the square of the drive, where all laps slide; None where no lap is repeated, or none slides.
+
+    What the laps' motions differ by, in the columns of the base values [samples, 4], is left out.
+    """
     count = int(residual.size / period) if period else 0
     if count < 2:
         return None
     # laps need not be a whole number of samples long
     places = np.arange(int(period))
-    left, of_drive = (
-        np.array([np.interp(places + lap * period, np.arange(values.size), values) for lap in range(count)]) for values in (residual, drive)
-    )
-    return count / (count - 1.0) * float(np.sum((left - left.mean(axis=0)) ** 2)), float(np.sum(of_drive**2))
+
+    def of_laps(values: Reals) -> Reals:
+        return np.array([np.interp(places + lap * period, np.arange(values.size), values) for lap in range(count)])
+
+    slides = np.all(of_laps(sliding.astype(np.float64)) >= 1.0, axis=0)
+    if not slides.any():
+        return None
+    left, of_drive, *columns = (of_laps(values)[:, slides] for values in (residual, drive, *moved.T))
+    apart, *others = ((one - one.mean(axis=0)).ravel() for one in (left, *columns))
+    differ = np.column_stack(others)
+    apart = apart - differ @ solved(differ, apart)
+    return count / (count - 1.0) * float(np.sum(apart**2)), float(np.sum(of_drive**2))
 
 
 def given_errors(actuator: Actuator, bench: Bench) -> FoldErrors:
