@@ -24,7 +24,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
-from ema_tools.data.motion_records import AnyRecord
+from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.display_names import coded, value_coded
@@ -54,7 +54,9 @@ from ema_tools.select.foretold_drive import foretold_percent
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of, rows_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
-UNSOUGHT = "beside refitted base values it would stand in for others: it is sought by simulation alone (--method simulation)"
+_STANDS_IN = "beside refitted base values it would stand in for others: it is sought by simulation alone"
+UNSOUGHT = f"{_STANDS_IN} (--method simulation)"
+NOT_SIMULATED = f"{_STANDS_IN}, which needs a known controller, and a record with the command and the position"
 ONE_MOTION = "one motion alone does not tell friction that differs by place from friction that differs by speed: record another motion"
 _SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part and confirmed in another [judgement]
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
@@ -95,7 +97,9 @@ class ForceSearch:
         self.report = report
         others = [effect for effect in named() if effect not in actuator.active_effects]
         self.effects = [name for name in others if record_of(name).in_balance] if effects is None else list(effects)
-        self.unsought = [Refusal(name, UNSOUGHT) for name in others if not record_of(name).in_balance]
+        # what cannot be done here is not advised
+        known = not actuator.absent and not any(isinstance(record, MotionRecord) for record in bench.records)
+        self.unsought = [Refusal(name, UNSOUGHT if known else NOT_SIMULATED) for name in others if not record_of(name).in_balance]
         self.setting: Setting | None = None
         self.weak: list[Tried] = []  # of the last round: what was refused after it was judged
         # whether an effect that matters would make the inertia impossible: these records do not tell the two apart
