@@ -238,6 +238,17 @@ class Bench:
             if any(math.isclose(float(fit.coefficients[place]), end, rel_tol=_ON_END) for end in ends)
         )
 
+    def pushed_to_ends(self, fit: Fitted) -> tuple[str, ...]:
+        """Those of them that would lie beyond it by more than their error if they could; an inertia that is held near what is stated lies there by more than data sheets err anyhow."""
+        held = self.at_ends(fit)
+        if not held:
+            return ()
+        between, self.between = self.between, {}
+        free = self.fit(fit.samples, fit.patterns, fit.columns)
+        std = self._std(free)
+        self.between = between
+        return tuple(name for name in held if name == INERTIA or abs(free.values[name] - fit.values[name]) > _BARELY * std.get(name, 0.0))
+
     @property
     def kept_because(self) -> dict[str, str]:
         """Base values that are taken and not fitted, and why."""

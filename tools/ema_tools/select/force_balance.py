@@ -298,9 +298,6 @@ class ForceSearch:
 
     def judged_against(self, accepted: Fitted, effect: str, fit: Fitted) -> str:
         """Why an effect that was fitted, judged, should not be added; empty when it should."""
-        beyond = [name for name in self.bench.at_ends(fit) if name not in self.bench.at_ends(accepted)]
-        if beyond:
-            return f"beside it {value_coded(beyond[0])} would lie on an end of where it may be"
         return self.judge.refusal(accepted, self._tried(accepted, effect, fit))
 
     def round(self, accepted: Fitted, share: float) -> tuple[list[Tried], list[Refusal]]:

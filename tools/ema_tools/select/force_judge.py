@@ -17,7 +17,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.display_names import value_coded
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import WIDEST_SPOT
-from ema_tools.select.balance_bench import INERTIA, Bench, Fitted, floor_of
+from ema_tools.select.balance_bench import Bench, Fitted, floor_of
 from ema_tools.select.balance_setting import LEVEL, VISCOUS
 from ema_tools.select.force_steps import Tried
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
@@ -61,8 +61,10 @@ class Judge:
         beyond = outside(fit)
         if beyond:
             return f"beside it {beyond}"
-        if INERTIA in bench.at_ends(fit) and INERTIA not in bench.at_ends(accepted):
-            return f"beside it {value_coded(INERTIA)} would lie on an end of where it may be"
+        # what needs a base value pushed as far as it goes stands in for it, or for something else
+        pushed = [name for name in bench.pushed_to_ends(fit) if name not in bench.at_ends(accepted)]
+        if pushed:
+            return f"beside it {value_coded(pushed[0])} would lie on an end of where it may be: {fit.values[pushed[0]]:.3g}"
         if another := self.another(fit, tried.effect):
             return another
         size = load_definitions().effect(tried.effect).size.name
