@@ -297,12 +297,38 @@ class Bench:
 
     def keep_inertia(self) -> None:
         """Where the records put the inertia as near as data sheets err to what the actuator states, it stays as near beside every effect: one that moves it further stands in for it."""
+        self._keep_near_stated(self.fit(self.start, (), np.zeros((self.fold.size, 0))))
+
+    def _keep_near_stated(self, fit: Fitted) -> None:
         place = MECHANICAL_PARAMETERS.index(INERTIA)
         stated = self.start.setting.actuator[INERTIA]
-        if place not in self.taken and place not in self.between and stated > 0.0:
-            value = self.fit(self.start, (), np.zeros((self.fold.size, 0))).values[INERTIA]
-            if abs(value / stated - 1.0) <= _DETERMINED:
-                self.between[place] = ((1.0 - _DETERMINED) * stated, (1.0 + _DETERMINED) * stated)
+        if (
+            place not in self.taken
+            and place not in self.between
+            and stated > 0.0
+            and abs(fit.values[INERTIA] / stated - 1.0) <= _DETERMINED
+        ):
+            self.between[place] = ((1.0 - _DETERMINED) * stated, (1.0 + _DETERMINED) * stated)
+
+    def release_inertia(self, patterns: Sequence[Pattern], columns: Reals) -> bool:
+        """Fits an inertia again that was taken as stated, where the records determine it beside effects with their columns [samples, k]: a weight that nobody knew hid it. Whether they do."""
+        place = MECHANICAL_PARAMETERS.index(INERTIA)
+        if place not in self.taken or INERTIA in self.fixes.as_stated:
+            return False
+        stated, start = self.taken.pop(place), self.start
+        self.start = self.sampled(start.setting)
+        fit = self.fit(self.with_bends(patterns), patterns, columns)
+        if _not_determined(INERTIA, fit.values[INERTIA], self._std(fit).get(INERTIA, math.inf)):
+            self.taken[place], self.start = stated, start
+            return False
+        self._bent.clear()
+        self._keep_near_stated(fit)
+        return True
+
+    def carry(self, torques: Reals) -> None:
+        """Counts torques [rows, k] from here on as what the machine carries beside its actuator."""
+        self.start = replace(self.start, setting=replace(self.start.setting, carried=torques if torques.shape[1] else None))
+        self._bent.clear()
 
     def keep_barely_outside(self, fit: Fitted) -> bool:
         """Keeps inside its range from here on every base value that a judged fit puts beyond it by no more than its error: that is nothing impossible. Whether there was one."""
