@@ -238,6 +238,17 @@ class Bench:
             if any(math.isclose(float(fit.coefficients[place]), end, rel_tol=_ON_END) for end in ends)
         )
 
+    def pushed_to_ends(self, fit: Fitted) -> tuple[str, ...]:
+        """Those of them that would lie beyond it by more than their error if they could; an inertia that is held near what is stated lies there by more than data sheets err anyhow."""
+        held = self.at_ends(fit)
+        if not held:
+            return ()
+        between, self.between = self.between, {}
+        free = self.fit(fit.samples, fit.patterns, fit.columns)
+        std = self._std(free)
+        self.between = between
+        return tuple(name for name in held if name == INERTIA or abs(free.values[name] - fit.values[name]) > _BARELY * std.get(name, 0.0))
+
     @property
     def kept_because(self) -> dict[str, str]:
         """Base values that are taken and not fitted, and why."""
@@ -286,12 +297,38 @@ class Bench:
 
     def keep_inertia(self) -> None:
         """Where the records put the inertia as near as data sheets err to what the actuator states, it stays as near beside every effect: one that moves it further stands in for it."""
+        self._keep_near_stated(self.fit(self.start, (), np.zeros((self.fold.size, 0))))
+
+    def _keep_near_stated(self, fit: Fitted) -> None:
         place = MECHANICAL_PARAMETERS.index(INERTIA)
         stated = self.start.setting.actuator[INERTIA]
-        if place not in self.taken and place not in self.between and stated > 0.0:
-            value = self.fit(self.start, (), np.zeros((self.fold.size, 0))).values[INERTIA]
-            if abs(value / stated - 1.0) <= _DETERMINED:
-                self.between[place] = ((1.0 - _DETERMINED) * stated, (1.0 + _DETERMINED) * stated)
+        if (
+            place not in self.taken
+            and place not in self.between
+            and stated > 0.0
+            and abs(fit.values[INERTIA] / stated - 1.0) <= _DETERMINED
+        ):
+            self.between[place] = ((1.0 - _DETERMINED) * stated, (1.0 + _DETERMINED) * stated)
+
+    def release_inertia(self, patterns: Sequence[Pattern], columns: Reals) -> bool:
+        """Fits an inertia again that was taken as stated, where the records determine it beside effects with their columns [samples, k]: a weight that nobody knew hid it. Whether they do."""
+        place = MECHANICAL_PARAMETERS.index(INERTIA)
+        if place not in self.taken or INERTIA in self.fixes.as_stated:
+            return False
+        stated, start = self.taken.pop(place), self.start
+        self.start = self.sampled(start.setting)
+        fit = self.fit(self.with_bends(patterns), patterns, columns)
+        if _not_determined(INERTIA, fit.values[INERTIA], self._std(fit).get(INERTIA, math.inf)):
+            self.taken[place], self.start = stated, start
+            return False
+        self._bent.clear()
+        self._keep_near_stated(fit)
+        return True
+
+    def carry(self, torques: Reals) -> None:
+        """Counts torques [rows, k] from here on as what the machine carries beside its actuator."""
+        self.start = replace(self.start, setting=replace(self.start.setting, carried=torques if torques.shape[1] else None))
+        self._bent.clear()
 
     def keep_barely_outside(self, fit: Fitted) -> bool:
         """Keeps inside its range from here on every base value that a judged fit puts beyond it by no more than its error: that is nothing impossible. Whether there was one."""
@@ -590,27 +627,42 @@ def _covariance(columns: Reals, residual: Reals, of_record: NDArray[np.int64]) -
 
 
 def floor_of(bench: Bench, fit: Fitted) -> float:
-    """How far one complete lap is from the others in what a fit leaves of the torque, as relative error in %: no model of a lap can beat it. NaN where no record repeats itself."""
+    """How far one complete lap is from the others in what a fit leaves of the torque where it slides, as relative error in %: no model of a lap can beat it. NaN where no record repeats itself.
+
+    Laps are never the same motion, and friction answers at rest whatever there is: neither is chance, and with either the floor would be one of the model, and no property of the records.
+    """
     squares = total = 0.0
     for number, (laps, smoother) in enumerate(zip(bench.division.laps, bench.smoothers, strict=True)):
         here = bench.of_record == number
-        found = _scatter_of_laps(fit.residual[here], fit.samples.drive[here], laps.period_rows / smoother.every)
+        moved = fit.samples.base[here]
+        found = _scatter_of_laps(fit.residual[here], fit.samples.drive[here], moved, bench.sliding[here], laps.period_rows / smoother.every)
         if found is not None:
             squares, total = squares + found[0], total + found[1]
     return 100.0 * math.sqrt(squares / total) if total > 0.0 else math.nan
 
 
-def _scatter_of_laps(residual: Reals, drive: Reals, period: float) -> tuple[float, float] | None:
-    """Squared distance of the laps of one record from their mean, `period` samples each, and the square of the drive; None where no lap is repeated."""
+def _scatter_of_laps(residual: Reals, drive: Reals, moved: Reals, sliding: Rows, period: float) -> tuple[float, float] | None:
+    """Squared distance of the laps of one record from their mean, `period` samples each, and the square of the drive, where all laps slide; None where no lap is repeated, or none slides.
+
+    What the laps' motions differ by, in the columns of the base values [samples, 4], is left out.
+    """
     count = int(residual.size / period) if period else 0
     if count < 2:
         return None
     # laps need not be a whole number of samples long
     places = np.arange(int(period))
-    left, of_drive = (
-        np.array([np.interp(places + lap * period, np.arange(values.size), values) for lap in range(count)]) for values in (residual, drive)
-    )
-    return count / (count - 1.0) * float(np.sum((left - left.mean(axis=0)) ** 2)), float(np.sum(of_drive**2))
+
+    def of_laps(values: Reals) -> Reals:
+        return np.array([np.interp(places + lap * period, np.arange(values.size), values) for lap in range(count)])
+
+    slides = np.all(of_laps(sliding.astype(np.float64)) >= 1.0, axis=0)
+    if not slides.any():
+        return None
+    left, of_drive, *columns = (of_laps(values)[:, slides] for values in (residual, drive, *moved.T))
+    apart, *others = ((one - one.mean(axis=0)).ravel() for one in (left, *columns))
+    differ = np.column_stack(others)
+    apart = apart - differ @ solved(differ, apart)
+    return count / (count - 1.0) * float(np.sum(apart**2)), float(np.sum(of_drive**2))
 
 
 def given_errors(actuator: Actuator, bench: Bench) -> FoldErrors:

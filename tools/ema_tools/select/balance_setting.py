@@ -57,10 +57,14 @@ def _read_with(actuator: Actuator, record: AnyRecord) -> tuple[object, ...]:
 
 @dataclass(frozen=True)
 class Setting:
-    """The actuator as far as it is known, and the records' balances under it. What is joined has the rows of all records one after another, [rows]."""
+    """The actuator as far as it is known, and the records' balances under it. What is joined has the rows of all records one after another, [rows].
+
+    `carried`: torques of what the machine is known to carry beside the actuator, [rows, k], which are part of a drive that is foretold.
+    """
 
     actuator: Actuator
     pieces: tuple[Piece, ...]
+    carried: Reals | None = None
     _required: dict[str, Reals] = field(default_factory=dict)
 
     @staticmethod
@@ -70,7 +74,9 @@ class Setting:
 
     def with_actuator(self, actuator: Actuator) -> Setting:
         """The same records under another actuator. Raises MissingSignal, InputError."""
-        return Setting(actuator, tuple(Piece.of(actuator, piece.record, piece.model.smoother, piece) for piece in self.pieces))
+        return Setting(
+            actuator, tuple(Piece.of(actuator, piece.record, piece.model.smoother, piece) for piece in self.pieces), self.carried
+        )
 
     @functools.cached_property
     def waveless(self) -> Setting:
@@ -86,7 +92,7 @@ class Setting:
             replace(piece.record, start_rad=_ANOTHER_RAD) if isinstance(piece.record, MotionRecord) else piece.record
             for piece in self.pieces
         ]
-        return Setting.of(self.actuator, moved, [piece.model.smoother for piece in self.pieces])
+        return replace(Setting.of(self.actuator, moved, [piece.model.smoother for piece in self.pieces]), carried=self.carried)
 
     @functools.cached_property
     def on_another_screw(self) -> Setting:
@@ -121,15 +127,18 @@ class Setting:
 
     @functools.cached_property
     def foretold(self) -> Setting:
-        """The same with the drive that the base values ask for in place of the recorded one, in whose error an effect that reads the drive would find itself."""
+        """The same with the drive that the base values, and what is carried, ask for in place of the recorded one, in whose error an effect that reads the drive would find itself."""
         constant = adjusted(self.actuator)["motor.torque_constant_Nm_per_A"]
+        carried = np.zeros((self.rows, 0)) if self.carried is None else self.carried
+        ends = np.cumsum([piece.record.rows for piece in self.pieces])[:-1]
         pieces = []
-        for piece in self.pieces:
+        for piece, beside in zip(self.pieces, np.split(carried, ends), strict=True):
             model = piece.model
+            columns = np.column_stack([model.columns, beside])
             moves = ~model.resting
             target = model.drive_Nm - model.load_Nm - model.added_Nm
-            base = np.linalg.lstsq(model.columns[moves], target[moves], rcond=None)[0]
-            asked = np.where(moves, model.load_Nm + model.added_Nm + model.columns @ base, model.drive_Nm)
+            base = np.linalg.lstsq(columns[moves], target[moves], rcond=None)[0]
+            asked = np.where(moves, model.load_Nm + model.added_Nm + columns @ base, model.drive_Nm)
             motion = replace(piece.motion, current_A=asked / constant)
             pieces.append(
                 replace(piece, motion=motion, model=mechanical_model(self.actuator, piece.record, model.smoother, motion), foretold=True)

@@ -24,7 +24,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator, row_of
-from ema_tools.data.motion_records import AnyRecord
+from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.division import PARTS
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.display_names import coded, value_coded
@@ -47,14 +47,16 @@ from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
 from ema_tools.select.base_values import base_values
 from ema_tools.select.drive_lag import with_lag_fitted
 from ema_tools.select.fixes import NONE, Fixes
-from ema_tools.select.force_floor import EstimatedFloor, estimated_floor
-from ema_tools.select.force_judge import CLEARLY, LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, outside, unphysical
+from ema_tools.select.force_floor import estimated_floor
+from ema_tools.select.force_judge import CLEARLY, LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, at_bound, is_carried, outside, unphysical
 from ema_tools.select.force_steps import ForceStep, ForceSteps, Refusal, Tried
 from ema_tools.select.foretold_drive import foretold_percent
 from ema_tools.select.torque_patterns import NOT_HERE, Pattern, continuous_of, is_texture, pattern_of, patterns_of, rows_of
 
 SAME_SWING = "its waves are whole multiples of one that was accepted, and no record says where the machine is: it may be the same swing, which is no pure sine"
-UNSOUGHT = "beside refitted base values it would stand in for others: it is sought by simulation alone (--method simulation)"
+_STANDS_IN = "beside refitted base values it would stand in for others: it is sought by simulation alone"
+UNSOUGHT = f"{_STANDS_IN} (--method simulation)"
+NOT_SIMULATED = f"{_STANDS_IN}, which needs a known controller, and a record with the command and the position"
 ONE_MOTION = "one motion alone does not tell friction that differs by place from friction that differs by speed: record another motion"
 _SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part and confirmed in another [judgement]
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
@@ -95,13 +97,16 @@ class ForceSearch:
         self.report = report
         others = [effect for effect in named() if effect not in actuator.active_effects]
         self.effects = [name for name in others if record_of(name).in_balance] if effects is None else list(effects)
-        self.unsought = [Refusal(name, UNSOUGHT) for name in others if not record_of(name).in_balance]
+        # what cannot be done here is not advised
+        known = not actuator.absent and not any(isinstance(record, MotionRecord) for record in bench.records)
+        self.unsought = [Refusal(name, UNSOUGHT if known else NOT_SIMULATED) for name in others if not record_of(name).in_balance]
         self.setting: Setting | None = None
         self.weak: list[Tried] = []  # of the last round: what was refused after it was judged
         # whether an effect that matters would make the inertia impossible: these records do not tell the two apart
         self.upsets_inertia = False
         self.patterns: dict[str, Sequence[Pattern] | str] = {}
         self.columns: dict[str, list[Reals]] = {}
+        self.carried: list[tuple[str, tuple[tuple[str, float], ...]]] = []  # of what the machine carries, the shapes that are known
 
     def prepare(self, setting: Setting) -> None:
         """All patterns in a setting."""
@@ -262,6 +267,38 @@ class ForceSearch:
         bench.load_named = not why
         return found, before, why
 
+    def loaded(self, accepted: Fitted) -> bool:
+        """Whether something that the machine carries was accepted, so that a share of what is left is one of less than the first model left."""
+        return self.bench.load_named or any(is_carried(one) for one in accepted.patterns)
+
+    def carrying(self, accepted: Fitted) -> Fitted:
+        """A fit with what the machine carries known wherever it hid something: the inertia, and what friction makes of the torque that the gears transmit."""
+        carried = [one for one in accepted.patterns if is_carried(one)]
+        seen = [(one.effect, tuple(one.shape.items())) for one in carried]
+        if seen == self.carried:
+            return accepted
+        self.carried = seen
+        bench, setting = self.bench, accepted.samples.setting
+        bench.carry(np.column_stack([np.zeros((setting.rows, 0)), *(rows_of(setting, one) for one in carried)]))
+        if carried:
+            bench.release_inertia(accepted.patterns, accepted.columns)
+        self.prepare(bench.with_bends(accepted.patterns).setting)
+        return bench.judged(self.with_patterns(accepted.patterns, bench.with_bends(accepted.patterns)))
+
+    def constant_beside(self, accepted: Fitted) -> tuple[Fitted, Fitted] | None:
+        """The change of the constant torque as an effect beside what was accepted, without it and with it; None where it is none, or one already. A weight that swings hides it until it is known."""
+        bench = self.bench
+        if bench.load_named or LOAD in bench.fixes.as_stated or load_effect() in bench.start.setting.actuator.active_effects:
+            return None
+        if not self.loaded(accepted):
+            return None
+        before = bench.judged(bench.with_load_as_given(accepted))
+        bench.load_named = True
+        fit = bench.judged(self.with_patterns(accepted.patterns, accepted.samples))
+        why = self.judge.refusal(before, self._tried(before, load_effect(), fit)) or self._as_zero(fit)
+        bench.load_named = not why
+        return None if why else (before, fit)
+
     @staticmethod
     def _as_zero(fit: Fitted) -> str:
         """Why a constant torque is none of the machine: it is no more than a sensor's zero."""
@@ -294,9 +331,6 @@ class ForceSearch:
 
     def judged_against(self, accepted: Fitted, effect: str, fit: Fitted) -> str:
         """Why an effect that was fitted, judged, should not be added; empty when it should."""
-        beyond = [name for name in self.bench.at_ends(fit) if name not in self.bench.at_ends(accepted)]
-        if beyond:
-            return f"beside it {value_coded(beyond[0])} would lie on an end of where it may be"
         return self.judge.refusal(accepted, self._tried(accepted, effect, fit))
 
     def round(self, accepted: Fitted, share: float) -> tuple[list[Tried], list[Refusal]]:
@@ -318,6 +352,7 @@ class ForceSearch:
                 else:
                     added.append(instead)
         self.weak = []
+        least = LEAST_OF_FIRST * self.judge.left_by_loads(accepted)
         for place, effect in enumerate(left):
             self.report(share + _ROUND_SHARE * place / len(left), effect)
             found = self.tried(accepted, effect)
@@ -327,9 +362,12 @@ class ForceSearch:
             judged = replace(found, fit=self.bench.judged(found.fit))
             if self.bench.keep_barely_outside(judged.fit):
                 return self.round(accepted, share)
-            self.upsets_inertia |= found.gain >= LEAST_OF_FIRST * self.judge.first and unphysical(INERTIA, judged.fit)
+            self.upsets_inertia |= found.gain >= least and unphysical(INERTIA, judged.fit)
             why = self.judge.refusal(accepted, judged)
-            if why:
+            beyond = "" if why else self._another_than_its_special(judged)
+            if beyond:
+                refused.append(_refused(judged, beyond))
+            elif why:
                 self.weak.append(judged)  # which may be more beside another
                 refused.append(_refused(judged, why))
             else:
@@ -340,6 +378,20 @@ class ForceSearch:
             for one in needless
         ]
         return sorted((one for one in added if one not in needless), key=lambda one: -one.gain), refused
+
+    def _another_than_its_special(self, tried: Tried) -> str:
+        """Why an effect is not a general case of another one: what it adds to that one lies on an end of where it may be, even between the shapes tried; empty where it may be."""
+        special = record_of(tried.effect).special_case
+        if not special:
+            return ""
+        fields = {row.field for row in load_definitions().effect(special).parameters}
+        fit = self.refined(tried.fit)
+        for name in continuous_of(tried.effect):
+            if name.partition(".")[2] not in fields and at_bound(name, fit.values[name]):
+                return (
+                    f"at a bound: {value_coded(name)} = {fit.values[name]:.3g}, which is no {coded(called(special))} that differs a little"
+                )
+        return ""
 
     def _instead(self, accepted: Fitted, effect: str) -> Tried | Refusal:
         """An effect in place of its special case, which was accepted: what it takes off beyond that one."""
@@ -381,13 +433,16 @@ class ForceSearch:
         One that stands in for another beside it goes wrong wherever the other is large, so that alone it raises the error of a part held out. `added`: what may be added alone; a pair is sought
         where nothing may, or where what takes off more than the best of it is refused.
         """
-        worth = [one for one in self.weak if one.gain >= LEAST_OF_FIRST * self.judge.first and not outside(one.fit)]
+        least = LEAST_OF_FIRST * self.judge.left_by_loads(accepted)
+        worth = [one for one in self.weak if one.gain >= least and not outside(one.fit)]
         stronger = {one.effect for one in worth if not added or one.gain > added[0].gain}
         worth = sorted([*worth, *added], key=lambda one: -one.gain)[:_PAIRED]
         best: tuple[Tried, Tried] | None = None
         for first, second in itertools.permutations(worth, 2):
             both = self._beside(first, second.effect) if {first.effect, second.effect} & stronger else None
             if both is None or (best is not None and both.fit.errors.training >= best[1].fit.errors.training):
+                continue
+            if self.loaded(accepted) and not _clear(first.fit, [both], _least(self.bench, first.fit))[0]:
                 continue
             other = self.judged_against(second.fit, first.effect, both.fit)
             if not other and not self.judged_against(accepted, second.effect, both.fit):
@@ -462,7 +517,8 @@ class ForceSearch:
             without = self._without(accepted, pattern.effect)
             if self.judge.slight(without, self._gain(without, accepted)) and not outside(without):
                 settled = self.settled(without)
-                if outside(settled):
+                # columns of the others that were made beside it still hold what it does
+                if outside(settled) or not self.judge.slight(settled, self._gain(settled, accepted)):
                     self.prepare(accepted.samples.setting)
                     continue
                 accepted = settled
@@ -482,6 +538,16 @@ class ForceSearch:
                     accepted = unnamed
                     dropped.append(load_effect())
         return (self.bench.judged(accepted) if dropped else accepted), tuple(dropped)
+
+    def raises(self, accepted: Fitted) -> tuple[str, Fitted] | None:
+        """An effect without which neither what is fitted nor what is held out is told worse, and the fit without it: what helped beside the base values as they were need not beside its own."""
+        for pattern in reversed(accepted.patterns):
+            rest = tuple(one for one in accepted.patterns if one is not pattern)
+            without = self.bench.judged(self.consistent(self.with_patterns(rest, self.bench.with_bends(rest))))
+            pairs = ((without.errors.training, accepted.errors.training), (without.errors.holdout, accepted.errors.holdout))
+            if not outside(without) and all(one <= other for one, other in pairs if math.isfinite(other)):
+                return pattern.effect, without
+        return None
 
     def simplified(self, accepted: Fitted) -> tuple[Fitted, dict[str, str]]:
         """With the special case in place of each effect that does hardly more beside the others, and what stands for what."""
@@ -621,72 +687,86 @@ def _improved(
         first = accepted = bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0))))
     else:
         accepted = constant.fit
-        steps.append(
-            ForceStep(
-                load_effect(),
-                accepted.values,
-                accepted.std,
-                search.same_as_load(),
-                accepted.errors,
-                search.judge.elsewhere(first, accepted),
-            )
-        )
-    # laps that differ may be what an effect does to them
-    repeats = floor_of(bench, first)
-    estimated = EstimatedFloor() if math.isfinite(repeats) else estimated_floor(bench, first)
-    least = repeats if math.isfinite(repeats) else (_AS_FLOOR if estimated.compared else _AS_NOISE) * estimated.percent
+        steps.append(_step(search, load_effect(), first, accepted, search.same_as_load()))
+    count = len(steps)
     while True:
-        added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * len(steps), 0.85))
+        added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * count, 0.85))
         if search.upsets_inertia:
             return _improved(actuator, records, holdout, report, fixes.without(INERTIA), veto)
-        if not steps:
-            # what comes later must take off a share of what was there at first
-            added, slight = _clear(accepted, added, least)
+        if not steps or search.loaded(accepted):
+            # what else comes later must take off a share of what was there at first
+            added, slight = _clear(accepted, added, _least(bench, accepted if steps else first))
             refused += slight
-        pair = search.pair(accepted, added) if not accepted.patterns else None
+        pair = search.pair(accepted, added) if all(is_carried(one) for one in accepted.patterns) else None
         if pair is None and not added:
             break
-        if pair is None and len(steps) == EFFECTS_MAX:
+        if pair is None and count >= EFFECTS_MAX:
             refused += [_refused(one, MANY) for one in added]
             break
+        before = accepted
         if pair is not None:
             first_of, best = pair
-            steps.append(
-                ForceStep(
-                    first_of.effect,
-                    first_of.fit.values,
-                    first_of.fit.std,
-                    (),
-                    first_of.fit.errors,
-                    search.judge.elsewhere(accepted, first_of.fit),
-                )
-            )
+            steps.append(_step(search, first_of.effect, accepted, first_of.fit))
             before, bent = first_of.fit, first_of.fit.patterns[-1].bends
         else:
             best = added[0]
-            before, bent = accepted, best.fit.patterns[-1].bends
+            bent = best.fit.patterns[-1].bends
         alike = _class_of(best, added) if pair is None else ()
         special = record_of(best.effect).special_case
         if special and any(one.effect == special for one in before.patterns):
             needless.append(Refusal(special, f"a special case of {coded(called(best.effect))}, which came later and does more"))
         accepted = bench.judged(search.finished(best.fit, bent))
         accepted, instead = search.simplified(accepted)
-        steps.append(
-            ForceStep(best.effect, accepted.values, accepted.std, alike, accepted.errors, search.judge.elsewhere(before, accepted))
-        )
+        steps.append(_step(search, best.effect, before, accepted, alike))
+        count += 1 if pair is None else len(pair)
         steps = [_renamed(one, instead) for one in steps]
         accepted, dropped = search.pruned(accepted)
         needless += [Refusal(name, f"needless beside {coded(called(steps[-1].effect))}, which came later") for name in dropped]
+        accepted = search.carrying(accepted)
+        steps = _in_model(steps, accepted, bench)
+        loaded = search.constant_beside(accepted)
+        if loaded is not None and count < EFFECTS_MAX:
+            without, accepted = loaded
+            steps.append(_step(search, load_effect(), without, accepted, search.same_as_load()))
+            count += 1
     if steps and accepted.errors.training > _NO_MODEL:
         why = f"with what was found {accepted.errors.training:.3g} % of the drive stays: too much for a name"
         needless += [Refusal(step.effect, why, _of(step.effect, step.values), _of(step.effect, step.std), step.errors) for step in steps]
         steps, accepted = [], first
     accepted = bench.judged(search.consistent(accepted))
+    while (raising := search.raises(accepted)) is not None:
+        name, accepted = raising
+        needless.append(Refusal(name, "beside the others it lowers neither the error of what is fitted nor that of what is held out"))
     if steps:
-        steps[-1] = replace(steps[-1], values=accepted.values, std=bench.stated(accepted).std, errors=accepted.errors)
+        steps = _in_model(steps, accepted, bench, bench.stated(accepted).std)
+    here = {one.effect for one in steps}
+    refused = [*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless})]
     report(1.0, "done")
-    shown = (*needless, *(one for one in refused if one.effect not in {gone.effect for gone in needless}))
-    return search.answer(actuator, given, first, accepted, steps, shown)
+    return search.answer(actuator, given, first, accepted, steps, [one for one in refused if one.effect not in here])
+
+
+def _least(bench: Bench, fit: Fitted) -> float:
+    """The error in % by which records that do the same may differ in what a fit leaves; laps that differ may be what an effect does to them."""
+    repeats = floor_of(bench, fit)
+    if math.isfinite(repeats):
+        return repeats
+    estimated = estimated_floor(bench, fit)
+    return (_AS_FLOOR if estimated.compared else _AS_NOISE) * estimated.percent
+
+
+def _step(search: ForceSearch, effect: str, before: Fitted, after: Fitted, alike: tuple[str, ...] = ()) -> ForceStep:
+    """An effect that was added."""
+    return ForceStep(effect, after.values, after.std, alike, after.errors, search.judge.elsewhere(before, after))
+
+
+def _in_model(steps: Sequence[ForceStep], accepted: Fitted, bench: Bench, std: Mapping[str, float] | None = None) -> list[ForceStep]:
+    """The steps whose effects are in the model, each once and where it came last; the last of them with the values and errors of the model as it is."""
+    names = {one.effect for one in accepted.patterns} | ({load_effect()} if bench.load_named else set())
+    later = [{other.effect for other in steps[place + 1 :]} for place in range(len(steps))]
+    kept = [step for step, after in zip(steps, later, strict=True) if step.effect in names and step.effect not in after]
+    if kept:
+        kept[-1] = replace(kept[-1], values=accepted.values, std=accepted.std if std is None else std, errors=accepted.errors)
+    return kept
 
 
 def _time_s(bench: Bench) -> Reals:

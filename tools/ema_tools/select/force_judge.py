@@ -17,10 +17,11 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.display_names import value_coded
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import WIDEST_SPOT
-from ema_tools.select.balance_bench import INERTIA, Bench, Fitted, floor_of
+from ema_tools.select.balance_bench import Bench, Fitted, floor_of
 from ema_tools.select.balance_setting import LEVEL, VISCOUS
 from ema_tools.select.force_steps import Tried
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
+from ema_tools.select.torque_patterns import Pattern
 
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
 AGREED_STD = 2.0  # ... and of so many by which records differ, where it lowers the error by less than a fifth, ... [chance]
@@ -40,6 +41,7 @@ _THIRDS = 3  # of the places and of the speeds, each told from the other two: wh
 _SLOWEST, _SPEEDS = 0.01, 64
 _FALLS = 0.1  # of what an effect adds to friction, by which all of it must fall with the speed [judgement]
 _BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
+_ONCE_PER_TURN = 1.0  # periods per motor turn of what hangs on the motor itself; faster are magnets and teeth [physics]
 _MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
 _THIRD_WORDS = {"places": ("near", "middle", "far"), "speeds": ("low", "middle", "high")}
 
@@ -48,12 +50,25 @@ Veto = Callable[[Fitted, Tried], str]
 
 
 class Judge:
-    """Says why an effect on a bench is not added. `first`: squared error of the training parts that the first model left, of which an effect must take off enough."""
+    """Says why an effect on a bench is not added. `first`: squared error of the training parts that the first model left."""
 
     def __init__(self, bench: Bench, veto: Veto | None = None) -> None:
         """`veto`: why else an effect is not added, asked last."""
         self.bench, self.veto = bench, veto
         self.first = float(np.sum(bench.without_load().residual[bench.training] ** 2))
+
+    def left_by_loads(self, accepted: Fitted) -> float:
+        """Squared error of the training parts that the first model leaves once it knows what the machine carries, of which an effect must take off enough.
+
+        A weight may be ten times the friction, which would hide half of it; while what an effect of friction leaves is often a product of it.
+        """
+        owners = [pattern for pattern in accepted.patterns for _ in range(pattern.columns.shape[1])]
+        carried = tuple(pattern for pattern in accepted.patterns if is_carried(pattern))
+        if not carried and not self.bench.load_named:
+            return self.first
+        columns = accepted.columns[:, [is_carried(owner) for owner in owners]]
+        fit = self.bench.fit(self.bench.start, carried, columns)
+        return min(self.first, float(np.sum(fit.residual[self.bench.training] ** 2)))
 
     def refusal(self, accepted: Fitted, tried: Tried) -> str:
         """Why an effect, judged, is not added; empty when it is."""
@@ -61,8 +76,10 @@ class Judge:
         beyond = outside(fit)
         if beyond:
             return f"beside it {beyond}"
-        if INERTIA in bench.at_ends(fit) and INERTIA not in bench.at_ends(accepted):
-            return f"beside it {value_coded(INERTIA)} would lie on an end of where it may be"
+        # what needs a base value pushed as far as it goes stands in for it, or for something else
+        pushed = [name for name in bench.pushed_to_ends(fit) if name not in bench.at_ends(accepted)]
+        if pushed:
+            return f"beside it {value_coded(pushed[0])} would lie on an end of where it may be: {fit.values[pushed[0]]:.3g}"
         if another := self.another(fit, tried.effect):
             return another
         size = load_definitions().effect(tried.effect).size.name
@@ -72,7 +89,7 @@ class Judge:
         apart = bench.std_of_records(fit).get(size, 0.0) if fit.errors.training > CLEARLY * accepted.errors.training else 0.0
         if abs(fit.values[size]) < AGREED_STD * apart:
             return f"the records do not agree on its size {fit.values[size]:.3g}: leaving one out after another it is off by {apart:.2g}, one standard error"
-        if _at_bound(size, fit.values[size]):
+        if at_bound(size, fit.values[size]):
             return f"at a bound: {value_coded(size)} = {fit.values[size]:.3g}"
         # every part held out once
         change = (bench.held_out(accepted) ** 2 - bench.held_out(fit) ** 2)[bench.sliding]
@@ -95,9 +112,10 @@ class Judge:
         share = self.share(accepted, tried.gain)
         if share < LEAST_SHARE:
             return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * LEAST_SHARE:g} %"
-        matter = tried.gain / self.first
-        if matter < LEAST_OF_FIRST:
-            return f"it takes off {100.0 * matter:.2f} % of what the first model left, less than {100.0 * LEAST_OF_FIRST:g} %"
+        first = self.left_by_loads(accepted)
+        if tried.gain < LEAST_OF_FIRST * first:
+            whose = "the first model" if first == self.first else "the first model and the loads"
+            return f"it takes off {100.0 * tried.gain / first:.2f} % of what {whose} left, less than {100.0 * LEAST_OF_FIRST:g} %"
         circle = self._in_a_circle(accepted, tried)
         return circle or (self.veto(accepted, tried) if self.veto is not None else "")
 
@@ -141,7 +159,7 @@ class Judge:
 
     def slight(self, worse: Fitted, gain: float) -> bool:
         """Whether a gain over a fit is too little of what is above the floor, or of what the first model left."""
-        return self.share(worse, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.first
+        return self.share(worse, gain) < LEAST_SHARE or gain < LEAST_OF_FIRST * self.left_by_loads(worse)
 
     def another(self, fit: Fitted, effect: str) -> str:
         """Why an effect as it was fitted is none, or another one; empty where it is what its name says."""
@@ -190,6 +208,14 @@ class Judge:
         return found
 
 
+def is_carried(pattern: Pattern) -> bool:
+    """Whether an effect is what the machine carries, and no friction: a spring, or a swing no faster than the motor turns, as of an arm's weight."""
+    periodic = record_of(pattern.effect).periodic
+    if periodic is not None:
+        return periodic.behind_gear and pattern.shape.get(f"{pattern.effect}.periods", 1.0) <= _ONCE_PER_TURN
+    return load_definitions().effect(pattern.effect).site == "LOAD"
+
+
 def _worse(before: float, after: float, gain: float, allowed: float) -> bool:
     """Whether an error, in %, rises by more than is allowed, and by what matters beside what is gained of the squared error in all."""
     return after > allowed * before and after**2 - before**2 > WORSE_OF_GAIN * gain
@@ -212,6 +238,7 @@ def unphysical(name: str, fit: Fitted) -> bool:
     return not row.lower < value < row.upper
 
 
-def _at_bound(name: str, value: float) -> bool:
+def at_bound(name: str, value: float) -> bool:
+    """Whether a value of an effect lies on an end of its range."""
     row = row_of(name)
     return value >= row.upper - _BOUND * abs(row.upper) or value <= row.lower + _BOUND * abs(row.lower)

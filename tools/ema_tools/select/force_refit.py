@@ -114,7 +114,7 @@ class _Refit:
         samples = self.bench.with_bends(patterns)
         if any(one.bends for one in patterns):
             self.search.prepare(samples.setting)
-        return self.search.with_patterns(patterns, samples)
+        return self.search.carrying(self.search.with_patterns(patterns, samples))
 
     def finished(self, given: FoldErrors, before: Fitted, last: Fitted, reason: str = "") -> ForceRefit:
         """What the last fit came to. Raises InputError where the model cannot be written."""

@@ -80,4 +80,4 @@ def _with_drive(setting: Setting, drive_Nm: Reals) -> Setting:
         motion = replace(piece.motion, current_A=drive / constant)
         model = mechanical_model(setting.actuator, piece.record, piece.model.smoother, motion)
         pieces.append(replace(piece, motion=motion, model=model, foretold=True))
-    return Setting(setting.actuator, tuple(pieces))
+    return Setting(setting.actuator, tuple(pieces), setting.carried)

@@ -18,6 +18,7 @@ from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, read_sizes
+from ema_tools.words.sentences.balance import MOSTLY
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
@@ -152,7 +153,9 @@ def _sentence(result: Diagnosed) -> str:
         named = [one.name for one in accepted(result)]
         first = names.listed([names.display(named[0]), *map(names.within, named[1:])]) if named else "An effect"
         worn = f"; {names.listed(changed)}" if changed else f"; {names.listed(off)} off the data sheet" if off else ""
-        return f"The model does not hold. {first} {'are' if len(named) > 1 else 'is'} missing{worn}."
+        mostly = _mostly_unexplained(result)
+        least = f", and {mostly}" if mostly else ""
+        return f"The model does not hold{least}. {first} {'are' if len(named) > 1 else 'is'} missing{worn}."
     if result.verdict == "unknown":
         if _untellable(result):
             return f"The model leaves {_size(result, result.errors.get('before', 0.0))} of the drive, and these records do not tell whether that is chance or something missing."
@@ -268,6 +271,8 @@ def _missing(result: Diagnosed) -> Reply:
         told = f"{size[0].rsplit('_', 1)[0] if unit else size[0]} {names.sized(size[1], first.std.get(size[0]), unit)}"
         place = first.parameters.get("place_mm")
         told += f" at {words.number(place)} mm" if place is not None else ""
+    if mostly := _mostly_unexplained(result):
+        told += f"; {mostly}"
     rivals = next_best(result)
     if rivals is not None and rivals[0].left and rivals[1].left:
         told += (
@@ -275,6 +280,16 @@ def _missing(result: Diagnosed) -> Reply:
         )
     return Reply(
         question, names.listed([names.display(named[0].name), *(names.within(one.name) for one in named[1:])]), told.lstrip("; "), "bad"
+    )
+
+
+def _mostly_unexplained(result: Diagnosed) -> str:
+    """That most of what is left by a balance has no name, which is more than any name that is found; empty where it has."""
+    share = result.found.unexplained if isinstance(result.found, DiagnosisByBalanceResult) else None
+    return (
+        f"most of what is left ({100.0 * share:.0f} %) is explained by nothing in the library"
+        if share is not None and share > MOSTLY
+        else ""
     )
 
 

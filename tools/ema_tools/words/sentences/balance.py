@@ -26,6 +26,7 @@ PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"
 
 
 _TOLD = 0.1  # a smaller share of the excess that stays is not told in the first sentence [layout]
+MOSTLY = 0.5  # a larger share is what the sentence begins with: the names that follow are the lesser part of the answer [judgement]
 _FLOORS: dict[FloorFrom | None, str] = {
     "laps": "the laps repeat to {:.2f} %",
     "healthy records": "the healthy records leave {:.2f} %",
@@ -60,9 +61,18 @@ def sentence(found: BalanceAnswer) -> str:
     names = _named(found)
     verb = "are" if len(found.accepted) > 1 else "is"
     left = found.unexplained
-    stays = f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained" if left is not None and left > _TOLD else ""
+    stays = (
+        f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained"
+        if left is not None and MOSTLY >= left > _TOLD
+        else ""
+    )
+    leads = (
+        f"most of what the base values leave ({100.0 * left:.0f} %) is explained by nothing in the library; "
+        if left is not None and left > MOSTLY
+        else ""
+    )
     return (
-        f"{found.names}: missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
+        f"{found.names}: {leads}missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
         f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{stays}."
     )
 
