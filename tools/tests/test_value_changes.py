@@ -42,11 +42,12 @@ def record(
     constant: float = CONSTANT,
     load: float = 0.0,
     rise: float = 0.0,
+    scatter: float = FRICTION_SCATTER,
 ) -> MotionRecord:
     """One record of the machine, whose friction differs from record to record, and which may carry a load, or stick more the slower it is."""
     random = np.random.default_rng(1000 + seed)
     moves = speed(seed, steady)
-    level = dry * (1.0 + FRICTION_SCATTER * random.normal()) * (1.0 + rise * np.exp(-((moves / SLOW_RAD_S) ** 2)))
+    level = dry * (1.0 + scatter * random.normal()) * (1.0 + rise * np.exp(-((moves / SLOW_RAD_S) ** 2)))
     torque = INERTIA * np.gradient(moves, PERIOD_S) + viscous * moves + level * np.sign(moves) + load
     current = torque / constant + NOISE_A * random.normal(size=moves.size)
     path = folder / f"run_{seed}.csv"
@@ -135,6 +136,12 @@ def test_what_the_machine_has_anyhow_is_no_new_effect_when_it_grows(tmp_path: Pa
     assert (found.verdict, [step.effect for step in found.forces.steps]) == ("adequate", [])
     assert shares(found) == {"stribeck_friction.rise": pytest.approx(1.0, abs=0.15)}
     assert found.last.training < 0.5 * found.forces.given.training
+
+
+def test_two_percent_of_friction_are_another_day_however_alike_few_records_are(tmp_path: Path, sheet: Actuator) -> None:
+    healthy = [record(tmp_path, seed, scatter=0.0005) for seed in range(5)]
+    found = answer_by_balance(sheet, [record(tmp_path, seed, scatter=0.0005, dry=1.02 * DRY) for seed in (50, 51)], healthy=healthy)
+    assert (found.verdict, shares(found), found.untold) == ("adequate", {}, False)
 
 
 def test_what_is_nearest_is_told_where_too_few_records_tell_a_change(tmp_path: Path, sheet: Actuator) -> None:

@@ -57,8 +57,9 @@ class _Column:
 
 @dataclass(frozen=True)
 class Changes:
-    """`values`: of the healthy machine, those that have changed and the others; `left_Nm`: rms of what it leaves of today's records as it is, and `doubt_Nm`: by how much that may be off, one
-    standard deviation, for what the healthy records tell of today's motion; `nearest`: the base value that would explain most of it, where none has surely changed."""
+    """`values`: of the healthy machine, those that have changed and the others; `left_Nm`: rms of what it leaves of today's records as it is, but for what days make of its values, and `doubt_Nm`:
+    by how much that may be off, one standard deviation, for what the healthy records tell of today's motion; `nearest`: the base value that would explain most of it, where none has surely
+    changed."""
 
     values: tuple[Change, ...]
     left_Nm: float = 0.0
@@ -154,7 +155,13 @@ class _Today:
 
 
 def _limit(today: _Today, chosen: Sequence[_Column], place: int) -> float:
-    return max(today.machine.limit(chosen[place].scatter, today.std(chosen, place)), _LEAST_CHANGE * abs(chosen[place].healthy))
+    """Beyond which a change is none of chance."""
+    return today.machine.limit(chosen[place].scatter, today.std(chosen, place))
+
+
+def _matters(today: _Today, chosen: Sequence[_Column], column: _Column) -> bool:
+    """Whether one of the changes is more than days make of it."""
+    return abs(float(today.changes(chosen)[list(chosen).index(column)])) > _LEAST_CHANGE * abs(column.healthy)
 
 
 def _clearly(today: _Today, before: Sequence[_Column], after: Sequence[_Column]) -> bool:
@@ -198,7 +205,8 @@ def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[Any
         return Changes(tuple(others))
     chosen = _chosen(here)
     nearest = min(here.columns, key=lambda one: here.error([one])).name if not chosen else ""
-    return Changes((*_of_base(here, chosen, nearest), *others), here.error([]), here.doubt_Nm, nearest)
+    slight = [one for one in chosen if not _matters(here, chosen, one)]
+    return Changes((*_of_base(here, chosen, nearest), *others), here.error(slight), here.doubt_Nm, nearest)
 
 
 def constant_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> float | None:
@@ -212,7 +220,7 @@ def constant_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixe
         return None
     whole = [one for one in here.columns if one.name == CONSTANT]
     left = here.error(whole) if whole else math.inf
-    if machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], whole):
+    if machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], whole) or not _matters(here, whole, whole[0]):
         return None
     if any(here.error([one]) * _CLEARER <= left for one in here.columns if one.name != CONSTANT):
         return None
@@ -255,12 +263,13 @@ def _of_base(today: _Today, chosen: Sequence[_Column], nearest: str) -> list[Cha
     """Base values: those that have changed, as they are together, and every other as it would be beside them; all of the drive only where it has, or is what comes nearest."""
     found = []
     for column in today.columns:
-        counts = column in chosen
+        counts = column in chosen and _matters(today, chosen, column)
         if column.name == CONSTANT and not counts and nearest != CONSTANT:
             continue
-        beside = chosen if counts else [*chosen, column]
+        beside = chosen if column in chosen else [*chosen, column]
         place = beside.index(column)
-        change, limit = float(today.changes(beside)[place]), _limit(today, beside, place)
+        change = float(today.changes(beside)[place])
+        limit = max(_limit(today, beside, place), _LEAST_CHANGE * abs(column.healthy))
         std = math.hypot(column.scatter, today.std(beside, place))
         if column.name == CONSTANT:
             constant = today.machine.actuator[CONSTANT]
