@@ -93,6 +93,7 @@ def answered(sheet: Actuator, today: list[MotionRecord]) -> BalanceAnswer:
     return answer_by_balance(sheet, today, healthy=[record(seed, 0.03) for seed in range(4)])
 
 
+@pytest.mark.slow
 def test_a_play_that_has_grown_is_told_and_nothing_else(sheet: Actuator) -> None:
     found = answered(sheet, [record(seed, 0.06) for seed in (50, 51)])
     (change,) = found.changed
@@ -102,6 +103,7 @@ def test_a_play_that_has_grown_is_told_and_nothing_else(sheet: Actuator) -> None
     assert any(one.name == "screw.blk_mm" and one.by_import and one.value == pytest.approx(0.03, rel=0.03) for one in found.base)
 
 
+@pytest.mark.slow
 def test_a_play_that_is_the_same_is_no_change_beside_more_friction(sheet: Actuator) -> None:
     found = answered(sheet, [record(seed, 0.031, dry=1.3 * DRY) for seed in (60, 61)])
     assert [one.name for one in found.changed] == ["screw.csj_Nm"]

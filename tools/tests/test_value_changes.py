@@ -91,6 +91,7 @@ def test_the_value_that_changed_is_told_and_no_other(
     assert shares(found)[name] == pytest.approx(share, abs=0.03 if name != "screw.viscous_Nm_s_per_rad" else 0.15)
 
 
+@pytest.mark.slow
 def test_a_standing_load_that_doubles_is_a_value_that_changed(tmp_path: Path, sheet: Actuator) -> None:
     """It was an effect of today, beside which friction, inertia and drive had all changed."""
     healthy = [record(tmp_path, seed, load=0.08) for seed in range(5)]
@@ -99,6 +100,7 @@ def test_a_standing_load_that_doubles_is_a_value_that_changed(tmp_path: Path, sh
     assert shares(found) == {"constant_load.torque_Nm": pytest.approx(1.0, abs=0.05)}
 
 
+@pytest.mark.slow
 def test_a_motor_that_makes_less_torque_is_no_effect_beside_standing_ones(tmp_path: Path, sheet: Actuator) -> None:
     """What sticks and what loads is as much more of the drive as all the rest."""
     standing = {"load": 0.06, "rise": 0.8}
@@ -129,6 +131,7 @@ def test_motion_that_the_healthy_records_do_not_tell_is_no_change(tmp_path: Path
     assert found.doubt_Nm > 0.2 * found.healthy.error_Nm
 
 
+@pytest.mark.slow
 def test_what_the_machine_has_anyhow_is_no_new_effect_when_it_grows(tmp_path: Path, sheet: Actuator) -> None:
     """The bump at standstill of twice the size: a value that changed, and the error falls with it."""
     healthy = [record(tmp_path, seed, rise=0.8) for seed in range(5)]
@@ -152,6 +155,7 @@ def test_what_is_nearest_is_told_where_too_few_records_tell_a_change(tmp_path: P
     assert "friction (CSJ) comes nearest, +" in sentence(found)
 
 
+@pytest.mark.slow
 def test_much_that_only_an_estimate_calls_chance_is_not_called_adequate(tmp_path: Path, sheet: Actuator) -> None:
     """Where the drive's sensor leaves a tenth, what is missing may hide in it."""
     coarse = []

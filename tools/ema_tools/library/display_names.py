@@ -34,7 +34,7 @@ def within(name: str) -> str:
 
 
 def coded(name: str, more: str = "", first: bool = False) -> str:
-    """The display name with the code name behind it, as in `Stribeck friction (stribeck_friction)`; `more` stands in the same brackets. `first`: at the beginning of a sentence."""
+    """The display name with the code name behind it, as in `pitch ripple (its code name)`; `more` stands in the same brackets. `first`: at the beginning of a sentence."""
     shown = display(name) if first and name not in _FAULTS else within(name)
     # a name of one word says itself
     told = "; ".join(filter(None, ("" if name in (*_FAULTS, shown.lower()) else name, more)))
@@ -47,7 +47,7 @@ def all_coded(names: Iterable[str], joint: str = ", ") -> str:
 
 
 def value_called(name: str) -> str:
-    """A value by what it is, as in `winding resistance` and `stiffness of spring load`; by its name where nothing is known of it."""
+    """A value by what it is, as in `winding resistance`; by its name where nothing is known of it."""
     known = load_definitions()
     fault = next((fault for fault, value in FAULTS.items() if value == name), "")
     if fault:
