@@ -1,5 +1,6 @@
 /* A machine whose sensors say, tick by tick, what a file holds: rod position in mm and current in A, a pair of floats
- * for each tick, in the order of bytes of this machine. For tests alone: a file per run instead of a firmware per record. */
+ * for each tick, in the order of bytes of this machine. For tests alone: a file per run instead of a firmware per
+ * record. */
 #include <stdio.h>
 
 #include "ace_plant.h"

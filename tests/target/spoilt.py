@@ -17,9 +17,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import numpy as np
+
 import emulate
 import example
-import numpy as np
 from ema_tools.benchmarks import faults
 from ema_tools.data.records import Record, read_record
 
@@ -179,7 +180,9 @@ def document(rows: list[PlayedRow]) -> str:
             outcomes = [sum(row.outcome == word for row in own) for word in ("right", "undecided", "refused")]
             told = ", noise" if noise else ""
             longest = max(row.slice_us for row in own)
-            days.append(f"| {day.title}{told} | {len(own)} | {' | '.join(map(str, outcomes))} | {longest} | {max(row.tick_us for row in own)} |")
+            days.append(
+                f"| {day.title}{told} | {len(own)} | {' | '.join(map(str, outcomes))} | {longest} | {max(row.tick_us for row in own)} |"
+            )
     slowest = sorted(rows, key=lambda row: -row.slice_us)[:5]
     shown = "\n".join(f"| {row.kind} | {row.strength} | {row.day} | {row.slice_us} | {row.slices} |" for row in slowest)
     return f"""# The example firmware on spoilt records
@@ -189,8 +192,9 @@ Written by a command; do not edit. To write it again, after `cmake --workflow --
     cmake --build build-cortex-m4f --target firmware_faults
 
 The example firmware (`port/cortex_m/example`) on the emulated Cortex-M4F, self-test first, its configuration a unit of the binary image `ace_units.bin`: on every spoilt record of
-[FAULTS](FAULTS.md) for the reference actuator, and on the worn day of the unit with standing errors, spoilt in the same ways, and its sound day as it is. What is spoilt in the columns of command or time alone
-is left out: firmware makes both itself. An instruction takes {INSTRUCTION_US * 1000.0:.0f} ns of the emulated time; a slice of {example.SLICE_STEPS} steps may take 2000 us and a control tick may come 20 us late.
+[FAULTS](FAULTS.md) for the reference actuator, and on the worn day of the unit with standing errors, spoilt in the same ways, and its sound day as it is. What is spoilt in the columns of
+command or time alone is left out: firmware makes both itself. An instruction takes {INSTRUCTION_US * 1000.0:.0f} ns of the emulated time; a slice of {example.SLICE_STEPS} steps may take 2000 us and a control tick may
+come 20 us late.
 
 **{len(rows)} records: no slice over its budget, no tick late, every answer bit for bit that of the board without hardware, none confidently wrong.**
 
@@ -227,7 +231,9 @@ def main() -> int:
         for problem in row.problems:
             print(f"spoilt: {row.kind}, {row.strength}, {row.day}, noise {row.noise_mm:g} mm: {problem}", file=sys.stderr)
     wrong = any(row.problems for row in rows)
-    print(f"{len(rows)} records, longest slice {max(row.slice_us for row in rows)} us, {sum(bool(row.problems) for row in rows)} with a problem")
+    print(
+        f"{len(rows)} records, longest slice {max(row.slice_us for row in rows)} us, {sum(bool(row.problems) for row in rows)} with a problem"
+    )
     if given.output is not None and not wrong:
         given.output.write_text(document(rows), encoding="utf-8")
     return 1 if wrong else 0
