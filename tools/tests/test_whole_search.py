@@ -39,9 +39,12 @@ def _late(signal: Reals) -> Reals:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        (lambda one: replace(one, position_mm=_late(one.position_mm)), r"sensor of the rod position.* position_mm reads 2 ms late"),
-        (lambda one: replace(one, motor_position_mm=1.02 * one.motor_position_mm), r"motor_position_mm reads 1\.02 times the signal"),
-        (lambda one: replace(one, current_A=1.1 * one.current_A), r"current_A reads 1\.1 times the signal"),
+        (lambda one: replace(one, position_mm=_late(one.position_mm)), r"sensor of the rod position \(position_mm\).* it reads 2 ms late"),
+        (
+            lambda one: replace(one, motor_position_mm=1.02 * one.motor_position_mm),
+            r"motor_position_mm\).* it reads 1\.02 times the signal",
+        ),
+        (lambda one: replace(one, current_A=1.1 * one.current_A), r"current_A\).* it reads 1\.1 times the signal"),
     ],
     ids=["rod late", "motor's encoder", "current"],
 )
