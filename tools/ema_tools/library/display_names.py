@@ -48,10 +48,10 @@ def all_coded(names: Iterable[str], joint: str = ", ") -> str:
 
 def value_called(name: str) -> str:
     """A value by what it is, as in `winding resistance`; by its name where nothing is known of it."""
-    known = load_definitions()
-    fault = next((fault for fault, value in FAULTS.items() if value == name), "")
+    fault = _fault_of(name)
     if fault:
         return within(fault)
+    known = load_definitions()
     effect, _, field = name.removeprefix("effects.").partition(".")
     if any(effect_called(effect) == one.name for one in known.effects):
         return f"{_field_words(field)} of {within(effect)}"
@@ -62,7 +62,12 @@ def value_coded(name: str) -> str:
     """The same with its full name behind it, as in `winding resistance (motor.resistance_ohm)`."""
     called = value_called(name)
     # a fault has its name in brackets already
-    return called if called == name or called.endswith(")") else f"{called} ({name})"
+    return called if called == name or _fault_of(name) else f"{called} ({name})"
+
+
+def _fault_of(name: str) -> str:
+    """The fault that a value is; empty for any other."""
+    return next((fault for fault, value in FAULTS.items() if value == name), "")
 
 
 def value_words(text: str, field: str) -> str:

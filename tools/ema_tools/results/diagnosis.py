@@ -221,9 +221,8 @@ class DiagnosisByBalanceResult:
     method_reason: str = ""  # why this method
     mode: Literal["laps of one record", "stretches of one record", "several records", "against healthy records"]
     effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
-    faults: dict[str, EffectEntry] = field(
-        default_factory=dict
-    )  # with healthy records a changed csj, and a blk where both positions are recorded
+    # with healthy records a changed csj, and a blk where both positions are recorded
+    faults: dict[str, EffectEntry] = field(default_factory=dict)
     standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
     healthy: HealthyEntry | None = field(default=None, metadata=SPARE)  # None without healthy records
     changes: dict[str, ChangeEntry] = field(default_factory=dict)  # of the healthy machine's values, by full name

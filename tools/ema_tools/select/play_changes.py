@@ -106,10 +106,17 @@ def _held(side: Reals) -> Reals:
     return np.asarray(side[last])
 
 
-def play_changes(machine: HealthyByBalance, records: Sequence[AnyRecord]) -> tuple[Change, ...]:
-    """The play, where two healthy records or more and one of today tell it; nothing where they do not."""
-    before, after = (_seen(machine.actuator, group) for group in (machine.records, records))
-    if len(before) < 2 or not after:
+def plays_seen(actuator: Actuator, records: Sequence[AnyRecord]) -> tuple[SeenPlay, ...]:
+    """The play of each record that tells it."""
+    return tuple(one for one in (play_seen(actuator, record) for record in records) if one)
+
+
+def play_changes(machine: HealthyByBalance, before: Sequence[SeenPlay], records: Sequence[AnyRecord]) -> tuple[Change, ...]:
+    """The play, where two healthy records or more (`before`) and one of today tell it; nothing where they do not."""
+    if len(before) < 2:
+        return ()
+    after = plays_seen(machine.actuator, records)
+    if not after:
         return ()
     (healthy, shown), (today, _) = _told(before), _told(after)
     limit = max(machine.times * shown, _LEAST_TIMES * _least(healthy, before)) * math.sqrt(1.0 + 1.0 / len(before))
@@ -118,18 +125,13 @@ def play_changes(machine: HealthyByBalance, records: Sequence[AnyRecord]) -> tup
     return (Change(PLAY, healthy, today, std, limit, abs(change) > limit),)
 
 
-def play_value(given: Actuator, records: Sequence[AnyRecord]) -> tuple[BaseValue, ...]:
-    """The play as these records show it, beside what the actuator's file states; nothing where no record has both positions."""
-    seen = _seen(given, records)
+def play_value(given: Actuator, seen: Sequence[SeenPlay]) -> tuple[BaseValue, ...]:
+    """The play as records show it, beside what the actuator's file states; nothing where none has both positions."""
     if not seen:
         return ()
     width, _ = _told(seen)
     by_import = not given[PLAY] > 0.0 or given.remark(PLAY) in STARTS
     return (BaseValue(PLAY, given[PLAY], by_import, width, math.hypot(_std_of_mean(seen), _FORM * width), "", False, math.nan, math.nan),)
-
-
-def _seen(actuator: Actuator, records: Sequence[AnyRecord]) -> list[SeenPlay]:
-    return [one for one in (play_seen(actuator, record) for record in records) if one]
 
 
 def _told(seen: Sequence[SeenPlay]) -> tuple[float, float]:

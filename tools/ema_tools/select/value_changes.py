@@ -99,7 +99,7 @@ class _Today:
         self.columns = [
             _Column(name, self.base[:, MECHANICAL_PARAMETERS.index(name)], healthy[name], machine.scatter[name]) for name in names
         ]
-        if healthy.has(CONSTANT) and all(record.current_A is not None for record in records):
+        if _constant_shows(healthy, records):
             # what is read of a torque is one over the constant
             self.columns.append(_Column(CONSTANT, start.drive[rows] - self.left, 1.0, machine.scatter_of_drive))
         self.moved = self._moved()
@@ -214,17 +214,24 @@ def constant_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixe
 
     To be asked before effects are sought: these and the base values would each take their share of it. Raises MissingSignal, InputError.
     """
+    if not _constant_shows(machine.actuator, records):
+        return None
     today, free, names = _as_today(machine, machine.actuator, records, fixes, ())
     here = _beside(machine, today, free, records, fixes, names, {})
     if here is None:
         return None
     whole = [one for one in here.columns if one.name == CONSTANT]
-    left = here.error(whole) if whole else math.inf
+    left = here.error(whole)
     if machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], whole) or not _matters(here, whole, whole[0]):
         return None
     if any(here.error([one]) * _CLEARER <= left for one in here.columns if one.name != CONSTANT):
         return None
     return machine.actuator[CONSTANT] / (1.0 + float(here.changes(whole)[0]))
+
+
+def _constant_shows(healthy: Actuator, records: Sequence[AnyRecord]) -> bool:
+    """Whether a torque constant stands between what these records hold and the torque."""
+    return healthy.has(CONSTANT) and all(record.current_A is not None for record in records)
 
 
 def _as_today(

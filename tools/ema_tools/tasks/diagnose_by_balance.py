@@ -32,7 +32,7 @@ from ema_tools.select.force_steps import ForceStep, ForceSteps, Tried
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
-from ema_tools.select.play_changes import play_changes, play_value
+from ema_tools.select.play_changes import play_changes, play_value, plays_seen
 from ema_tools.select.value_changes import CONSTANT, Change, changes_of, constant_today
 from ema_tools.select.winding_changes import winding_changes
 
@@ -272,7 +272,7 @@ def answer_by_balance(
         compared,
         forward,
         _pictures(forces, records),
-        base=(*forces.base, *play_value(actuator, records)),
+        base=(*forces.base, *play_value(actuator, plays_seen(actuator, records))),
     )
 
 
@@ -330,7 +330,8 @@ def _against(
     report(1.0, "done")
     named = {step.effect for step in forces.steps}
     told = changes_of(machine, forces.actuator, records, fixes, named)
-    changes = (*told.values, *play_changes(machine, records), *winding_changes(machine, records))
+    plays = plays_seen(known, machine.records)
+    changes = (*told.values, *play_changes(machine, plays, records), *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
     return BalanceAnswer(
@@ -347,6 +348,6 @@ def _against(
         changes,
         told.left_Nm,
         told.doubt_Nm,
-        (*machine.steps.base, *play_value(known, machine.records)),
+        (*machine.steps.base, *play_value(known, plays)),
         told.nearest,
     )
