@@ -694,8 +694,10 @@ def _improved(
         if search.upsets_inertia:
             return _improved(actuator, records, holdout, report, fixes.without(INERTIA), veto)
         if not steps or search.loaded(accepted):
-            # what else comes later must take off a share of what was there at first
-            added, slight = _clear(accepted, added, _least(bench, accepted if steps else first))
+            # what takes off a share of what was there before any load was known is no chance of a smaller error
+            large = [one for one in added if steps and one.gain >= LEAST_OF_FIRST * search.judge.first]
+            clear, slight = _clear(accepted, [one for one in added if one not in large], _least(bench, accepted if steps else first))
+            added = [one for one in added if one in large or one in clear]
             refused += slight
         pair = search.pair(accepted, added) if all(is_carried(one) for one in accepted.patterns) else None
         if pair is None and not added:
