@@ -11,6 +11,7 @@ from ema_tools.base.progress import Report, untold
 from ema_tools.fit.evidence import Evidence, View, settled
 from ema_tools.fit.refit import Fit, best_of_each, joined, refit, seen_from, slopes, without_effect
 from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, promising, signatures
 from ema_tools.select.matched_filter import Screen
@@ -24,7 +25,11 @@ _ALIKE = 9.0  # fits whose costs differ by less than this cannot be told apart: 
 # effect [chance]
 _SHOWN = 2.0
 _UNEXPLAINED = 0.1  # with more than this share of the excess left the answer is that something is missing, not what [judgement]
-_NEAR = 4.0  # a rival that leaves less than so many times as much above the floor comes near [judgement]
+# ... but for one effect alone that no other comes near, of which its own form may leave more, and for friction or play, which are
+# what is watched: [measured]
+_OF_ITS_FORM, _OF_A_FAULT = 0.125, 0.35
+# a rival that leaves less than so many times as much above the floor comes near, and less than this share of the excess [judgement]
+_NEAR, _NOTHING = 4.0, 0.9
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may
 # leave [judgement]
 _MODEL_ERROR = 0.02
@@ -203,16 +208,16 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     path = _grown(strategy, strategy.limits.effects, tell)
     path = strategy.ended(path, lambda begun, effects_max: _grown(strategy, effects_max, tell, begun))
     path = _in_special_cases(path, strategy)
-    alone = bool(path.steps) and strategy.is_no_answer(path.steps[-1].cost) and _stands_alone(path, strategy)
+    alone = _alone(path, strategy) if path.steps and _is_far(path.steps[-1].cost, strategy) else None
     # what its own form leaves of it is no second effect
-    path = replace(path, steps=path.steps[:1]) if alone else path
+    path = replace(path, steps=(alone,)) if alone is not None else path
     steps, before, floor = path.steps, strategy.before, strategy.floor
     best = steps[-1] if steps else None
     cost = best.cost if best is not None else before
     doubt = _MODEL_ERROR**2 * strategy.beyond
-    unexplained = max(cost - floor, 0.0) / strategy.excess
+    unexplained = _unexplained(cost, strategy)
     strange = cost - floor > max(strategy.noise, 2.0 * doubt)
-    far = unexplained > _UNEXPLAINED or (strategy.is_no_answer(cost) and not alone)
+    far = _is_far(cost, strategy) and alone is None
     verdict = "unknown" if strange and far else "missing" if best is not None else "adequate"
     named = _named(path.rounds, best, steps, verdict, doubt, before, strategy.limit)
     found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, strategy.limit)
@@ -220,14 +225,27 @@ def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
     return found.refuted(vague) if vague else found
 
 
-def _stands_alone(path: Path, strategy: Strategy) -> bool:
-    """Whether the first effect alone explains what no other one comes near: it is that one in a form of its own, however much of a large effect its form leaves."""
-    first = path.steps[0]
-    if len(first.effects) != 1:
-        return False
-    left = first.cost - strategy.floor
-    rivals = [fit.judged for fit in path.rounds[0].fits if not any(_one_physics(first.effects[0], other) for other in fit.effects)]
-    return left < _UNEXPLAINED * strategy.excess and all(rival - strategy.floor > _NEAR * left for rival in rivals)
+def _unexplained(cost: float, strategy: Strategy) -> float:
+    """Share of the excess that a cost leaves."""
+    return max(cost - strategy.floor, 0.0) / strategy.excess
+
+
+def _is_far(cost: float, strategy: Strategy) -> bool:
+    """Whether so much is left that what explains the rest is no answer yet."""
+    return _unexplained(cost, strategy) > _UNEXPLAINED or strategy.is_no_answer(cost)
+
+
+def _alone(path: Path, strategy: Strategy) -> Fit | None:
+    """The first look's fit of one effect, or of a fault, that explains what no other comes near: it is that one in a form of its own, however much of a large change its form leaves."""
+    tried = [path.steps[0], *path.rounds[0].fits]
+    first = min((fit for fit in tried if len(fit.effects) == 1), key=lambda fit: fit.judged, default=None)
+    if first is None:
+        return None
+    left, excess = first.cost - strategy.floor, strategy.excess
+    rivals = [fit.judged - strategy.floor for fit in tried if not any(_one_physics(first.effects[0], other) for other in fit.effects)]
+    if any(rival <= min(_NEAR * left, _NOTHING * excess) for rival in rivals):
+        return None
+    return first if left < (_OF_A_FAULT if first.effects[0] in FAULTS else _OF_ITS_FORM) * excess else None
 
 
 def _one_physics(effect: str, other: str) -> bool:

@@ -24,6 +24,7 @@ _OF_MAGNETS = ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")
 _MOST_PER_DEGC = 0.0025  # ferrite loses 0.2 % of its flux in a degree [physics]
 _LEAST_DEGC = 2.0  # of a winding over its healthy runs: less is what days differ by anyway [judgement]
 _MOST_DEGC = 45.0  # and more is no day's: a winding that is hot alone, or no longer what it was [judgement]
+_SHOWN = 3.0  # standard errors of what the record says of its winding, which hold what the model leaves: less is no thermometer [chance]
 _ALIKE = 3.0  # times as far from the healthy runs as the winding may the grease's temperature be: greases differ [judgement]
 _TRIED = (0.0, 0.4, 0.8)  # of the most, at which the rest of the machine is fitted again [precision]
 
@@ -74,8 +75,12 @@ def following(known: KnownMachine, base: MachineFit) -> tuple[Evidence, GreaseTo
 
 
 def _is_of_a_day(known: KnownMachine, base: MachineFit) -> bool:
-    """Whether the winding is off the healthy runs, and no farther than a day takes it."""
-    return _LEAST_DEGC <= abs(_warmer_degC(known, base)) <= _MOST_DEGC and not known.at_reach(base)
+    """Whether the winding is off the healthy runs, surely, and no farther than a day takes it."""
+    if not _LEAST_DEGC <= abs(_warmer_degC(known, base)) <= _MOST_DEGC or known.at_reach(base):
+        return False
+    # what is missing bends every value
+    std = known.with_whole_std(base).std.get(_WINDING, math.inf)
+    return abs(base.values[_WINDING] - known.actuator[_WINDING]) >= _SHOWN * std
 
 
 def _warmer_degC(known: KnownMachine, fit: MachineFit) -> float:

@@ -14,6 +14,8 @@ from ema_tools.words.sentences.identification import TITLES as FAULT_TITLES
 from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 from ema_tools.words.sentences.sizes import size_text
 
+_LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
+
 
 def sentence(found: Answer) -> str:
     """The answer in a sentence or two."""
@@ -30,7 +32,7 @@ def _said(found: Answer) -> str:
         versus = "this machine's repeatability" if found.evidence.relative else "what sensors and a data sheet leave open"
         text = f"nothing exceeds {versus}: no effect is missing" if not faults else f"no effect is missing; {faults}"
         apart = _unit_words(found)
-        return f"{first}{f'no effect is missing, but {apart}' if apart else text} ({fall})."
+        return f"{first}{f'no effect is missing, but {apart}' if apart else text} ({fall}{_left(found)})."
     if found.verdict == "unknown":
         if found.doubt:
             return f"{first}nothing can be concluded, since the healthy records differ by themselves: {found.doubt}."
@@ -61,7 +63,13 @@ def _said(found: Answer) -> str:
         if found.refuted
         else ""
     )
-    return f"{first}missing is {named}{alike}{faults}{refuted} ({fall})."
+    return f"{first}missing is {named}{alike}{faults}{refuted} ({fall}{_left(found)})."
+
+
+def _left(found: Answer) -> str:
+    """What another form of its own leaves of what was found."""
+    left = found.diagnosis.unexplained
+    return f"; {100.0 * left:.0f} % of the excess stays unexplained" if found.diagnosis.fit is not None and left > _LEAVES else ""
 
 
 def _unit_words(found: Answer) -> str:
