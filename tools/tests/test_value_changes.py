@@ -156,6 +156,16 @@ def test_what_is_nearest_is_told_where_too_few_records_tell_a_change(tmp_path: P
 
 
 @pytest.mark.slow
+def test_what_stays_beside_a_change_is_told_where_it_is_much(tmp_path: Path, sheet: Actuator) -> None:
+    quiet, humming = record(tmp_path, 70, dry=1.4 * DRY), record(tmp_path, 71, dry=1.4 * DRY)
+    assert humming.current_A is not None
+    hum = 0.03 * np.sin(2.0 * np.pi * 3.3 * humming.time_s)
+    assert "stays, more than" not in sentence(answered(sheet, tmp_path, [quiet]))
+    found = answered(sheet, tmp_path, [humming.with_columns({"current_A": humming.current_A + hum})])
+    assert [one.name for one in found.changed] == ["screw.csj_Nm"]
+    assert "stays, more than the healthy records leave" in sentence(found)
+
+
 def test_much_that_only_an_estimate_calls_chance_is_not_called_adequate(tmp_path: Path, sheet: Actuator) -> None:
     """Where the drive's sensor leaves a tenth, what is missing may hide in it."""
     coarse = []

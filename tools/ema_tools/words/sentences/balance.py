@@ -26,6 +26,7 @@ PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"
 
 
 _TOLD = 0.1  # a smaller share of the excess that stays is not told in the first sentence [layout]
+_MORE = 1.75  # times what the healthy records leave, which is told where a change was found: there may be another [judgement]
 MOSTLY = 0.5  # a larger share is what the sentence begins with: the names that follow are the lesser part of the answer [judgement]
 _FLOORS: dict[FloorFrom | None, str] = {
     "laps": "the laps repeat to {:.2f} %",
@@ -60,21 +61,24 @@ def sentence(found: BalanceAnswer) -> str:
     last = found.forces.steps[-1].errors
     names = _named(found)
     verb = "are" if len(found.accepted) > 1 else "is"
-    left = found.unexplained
-    stays = (
-        f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained"
-        if left is not None and MOSTLY >= left > _TOLD
-        else ""
-    )
-    leads = (
-        f"most of what the base values leave ({100.0 * left:.0f} %) is explained by nothing in the library; "
-        if left is not None and left > MOSTLY
-        else ""
-    )
     return (
-        f"{found.names}: {leads}missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
-        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{stays}."
+        f"{found.names}: {_leads(found)}missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
+        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{_stays(found)}."
     )
+
+
+def _leads(found: BalanceAnswer) -> str:
+    """What stays, before the names, where they explain the lesser part."""
+    left = found.unexplained
+    said = left is not None and left > MOSTLY
+    return f"most of what the base values leave ({100.0 * left:.0f} %) is explained by nothing in the library; " if said and left else ""
+
+
+def _stays(found: BalanceAnswer) -> str:
+    """What stays beside the names, where it is the lesser part and more than a little."""
+    left = found.unexplained
+    said = left is not None and MOSTLY >= left > _TOLD
+    return f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained" if said and left else ""
 
 
 def _named(found: BalanceAnswer) -> str:
@@ -117,12 +121,16 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     count, after = len(machine.records), found.last
     given = found.forces.given
     against = f"against {count} healthy record{'s' if count > 1 else ''}"
-    errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %"
+    errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %{_stays(found) if found.accepted else ''}"
     verb = "are" if len(found.accepted) > 1 else "is"
-    told = [f"missing {verb} {_named(found)}"] if found.accepted else []
+    told = [f"{_leads(found)}missing {verb} {_named(found)}"] if found.accepted else []
     told += [_changed(one, units_of(found.known, found.records)) for one in found.changed]
     if not told:
         told.append(_nothing_told(found, machine))
+    elif not found.accepted and after.training > _MORE * found.healthy_percent:
+        told.append(
+            f"{percent(after.training)} stays, more than the healthy records leave: what the model lacks has grown with it, or something else has changed, which these records do not tell"
+        )
     doubt = "" if machine.sure else f" How much healthy records differ is uncertain with {count}: give {SURE_RECORDS} or more."
     return f"{found.names} {against}: {'; '.join(told)} ({errors}).{doubt}"
 
