@@ -121,9 +121,9 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     count, after = len(machine.records), found.last
     given = found.forces.given
     against = f"against {count} healthy record{'s' if count > 1 else ''}"
-    errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %{_stays(found) if found.accepted else ''}"
+    errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %"
     verb = "are" if len(found.accepted) > 1 else "is"
-    told = [f"{_leads(found)}missing {verb} {_named(found)}"] if found.accepted else []
+    told = [f"{_leads(found)}missing {verb} {_named(found)}{_stays(found)}"] if found.accepted else []
     told += [_changed(one, units_of(found.known, found.records)) for one in found.changed]
     if not told:
         told.append(_nothing_told(found, machine))
