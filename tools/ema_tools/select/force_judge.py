@@ -29,6 +29,9 @@ CLEARLY = 0.8  # of the error left, which nobody takes for chance [judgement]
 FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
 _STRETCHES = 60  # of all records together, in most of which the error must fall where the mean of all is one start's [judgement]
 LEAST_SHARE = 0.03  # ... that takes off this share of the squared error above the floor ... [judgement]
+# ... and of what is left beside others so much where no laps tell chance from what has a form: another law than the first one's own
+# leaves as much [judgement]
+_LATER_SHARE = 0.1
 # ... and of that of the refitted base values: products of large effects look like small effects of their own [judgement]
 LEAST_OF_FIRST = 0.02
 # By how much it may raise the error at places and speeds to which nothing was fitted: in all, and in any third of them ... [judgement]
@@ -109,9 +112,9 @@ class Judge:
         for where, (before, after) in here.items():
             if _worse(before, after, gain, WORSE_THIRD):
                 return f"it does not carry over to {where} to which nothing was fitted: {before:.3g} % to {after:.3g} %"
-        share = self.share(accepted, tried.gain)
-        if share < LEAST_SHARE:
-            return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * LEAST_SHARE:g} %"
+        share, least = self.share(accepted, tried.gain), self._least_share(accepted)
+        if share < least:
+            return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * least:g} %"
         first = self.left_by_loads(accepted)
         if tried.gain < LEAST_OF_FIRST * first:
             whose = "the first model" if first == self.first else "the first model and the loads"
@@ -156,6 +159,11 @@ class Judge:
         floor = (0.01 * floor_of(self.bench, accepted)) ** 2 * float(np.sum(accepted.samples.drive[rows] ** 2))
         # the floor is itself known from a few laps only
         return gain / (total - min(floor, _MOST_FLOOR * total)) if math.isfinite(floor) else gain / total
+
+    def _least_share(self, accepted: Fitted) -> float:
+        """Of what is above the floor that an effect must take off."""
+        later = bool(accepted.patterns) or self.bench.load_named
+        return _LATER_SHARE if later and not math.isfinite(floor_of(self.bench, accepted)) else LEAST_SHARE
 
     def slight(self, worse: Fitted, gain: float) -> bool:
         """Whether a gain over a fit is too little of what is above the floor, or of what the first model left."""
