@@ -20,7 +20,9 @@ from ema_tools.compare.motion_validity import judge_motion
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.motion_records import MotionRecord, of_controlled, write_motion_record
 from ema_tools.fit.division import divided
+from ema_tools.select.balance_bench import Bench
 from ema_tools.select.balance_setting import Setting
+from ema_tools.select.few_samples import too_few
 from ema_tools.select.force_balance import SAME_SWING, improve_by_forces
 from ema_tools.select.torque_patterns import NO_SCREW, NOT_PLACED, patterns_of
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
@@ -78,6 +80,55 @@ def test_what_is_held_out_is_judged() -> None:
 def test_a_third_of_a_second_confirms_nothing() -> None:
     with pytest.raises(InputError, match=r"run 1: \d+ samples of motion are left .* record [\d.]+ s of motion or more"):
         diagnosed(actuator_of("bare motor", 0), [swept(90.0, 1, 60)])
+
+
+def servo(step_rad: float, period_s: float, seconds: float = 20.0) -> MotionRecord:
+    """A geared motor that swings, its angle recorded in steps of `step_rad`, without noise; 0: as fine as numbers are."""
+    time = np.arange(0.0, seconds, period_s)
+    angle = 90.0 * np.sin(2.0 * np.pi * 0.5 * time) + 30.0 * np.sin(2.0 * np.pi * 0.9 * time)
+    speed = np.gradient(angle, period_s)
+    torque = 3e-7 * np.gradient(speed, period_s) + 1.2e-3 * np.sign(speed) + 1e-6 * speed
+    seen = np.round(angle / step_rad) * step_rad if step_rad else angle
+    return MotionRecord(period_s, "servo").with_columns({"motor_angle_rad": seen, "torque_Nm": torque})
+
+
+def few_of(record: MotionRecord, inertia_kgm2: float = 3e-7) -> str:
+    """What is answered of too few samples; empty where there are enough."""
+    actuator = actuator_of("bare motor", 0).changed({"screw.inertia_kgm2": inertia_kgm2})
+    return too_few(actuator, Bench(actuator, [record]))
+
+
+def test_steps_that_leave_too_few_samples_are_named() -> None:
+    assert few_of(servo(0.0, 0.01)) == ""
+    told = few_of(servo(0.35, 0.01))
+    assert re.search(
+        r"because motor_angle_rad comes in steps of 0\.35 rad, 35 rad/s from row to row: slower motion looks like rest, beside which 0\.1 s are lost",
+        told,
+    ), told
+    assert re.search(r"record motor_angle_rad in finer steps or the speed, or [\d.]+ s of motion or more", told), told
+
+
+def test_steps_that_need_a_wide_filter_are_named() -> None:
+    # an inertia that needs more torque by far, of which steps make noise
+    assert few_of(servo(0.0, 0.002, 5.0), 3e-5) == ""
+    told = few_of(servo(0.35, 0.002, 5.0), 3e-5)
+    assert re.search(
+        r"because motor_angle_rad comes in steps of 0\.35 rad, which needs a filter of 0\.\d+ s: record motor_angle_rad in finer steps or the speed",
+        told,
+    ), told
+
+
+def test_rows_that_are_too_rare_are_named() -> None:
+    slow = servo(0.0, 0.05, 20.0)
+    told = few_of(slow)
+    assert re.search(
+        r"because rows every 0\.05 s need a filter of 0\.5 s: record more rows a second, or [\d.]+ s of motion or more", told
+    ), told
+
+
+def test_a_short_record_is_told_no_other_cause() -> None:
+    told = few_of(swept(90.0, 1, 60))
+    assert "left behind the filter, too few to confirm anything by others: record" in told, told
 
 
 def test_a_machine_that_moves_one_way_is_said_to() -> None:

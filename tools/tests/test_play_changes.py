@@ -1,16 +1,21 @@
-"""The play between motor and rod by both positions, on records written down here: where friction decides the side, where a load does, and what has changed."""
+"""The play between motor and rod by both positions, or by the rod's and the motor's speed, on records written down here: where friction decides the side, where a load does, and what has changed."""
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.interval import WIDTH_95
+from ema_tools.base.lag import lagged
 from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord
-from ema_tools.select.play_changes import play_seen
+from ema_tools.select.play_changes import play_changes, play_seen, play_value, plays_seen
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
 
 PERIOD_S, NOISE_MM = 0.002, 0.002
@@ -107,3 +112,112 @@ def test_a_play_that_has_grown_is_told_and_nothing_else(sheet: Actuator) -> None
 def test_a_play_that_is_the_same_is_no_change_beside_more_friction(sheet: Actuator) -> None:
     found = answered(sheet, [record(seed, 0.031, dry=1.3 * DRY) for seed in (60, 61)])
     assert [one.name for one in found.changed] == ["screw.csj_Nm"]
+
+
+RPM = 2.0 * np.pi / 60.0
+KINDS = ("sine", "sweep", "pick and place")
+
+
+def rate_of(kind: str, random: np.random.Generator) -> Reals:
+    """The motor's rate in mm/s; at `one speed` a lag of it and a play behind friction look alike."""
+    time, scale = np.arange(0.0, 16.0, PERIOD_S), float(random.uniform(0.7, 1.3))
+    if kind == "sine":
+        return 25.0 * scale * np.cos(2.0 * np.pi * float(random.uniform(0.3, 0.6)) * time)
+    if kind == "sweep":
+        return 11.0 * scale * np.cos(2.0 * np.pi * (0.15 * time + 0.5 * 2.85 * time**2 / 16.0))
+    asked: list[Reals] = []
+    for k in range(16):
+        speed = 20.0 * scale if kind == "one speed" else float(random.uniform(8.0, 40.0))
+        asked += [np.full(int(random.integers(200, 320)), speed if k % 2 else -speed), np.zeros(0 if kind == "one speed" else 60)]
+    smooth = np.hanning(41)
+    return np.convolve(np.concatenate(asked), smooth / smooth.sum(), mode="same")
+
+
+def of_speed(
+    seed: int,
+    width: float,
+    kind: str,
+    *,
+    rpm: float = 0.1,
+    lag_s: float = 0.002,
+    offset_rpm: float = 0.0,
+    by_load: bool = False,
+    poles: int = 1,
+    noise_rad_s: float = 0.02,
+) -> MotionRecord:
+    """One record of the rod's position and the motor's speed, which the drive filters, rounds to `rpm` and reads wrongly by an offset."""
+    random = np.random.default_rng(seed)
+    rate = rate_of(kind, random)
+    motor = np.cumsum(rate) * PERIOD_S
+    motor -= np.mean(motor)
+    rod = motor - 0.5 * width * np.sign(motor) if by_load else behind(motor, width)
+    speed = rate / MM_PER_RAD
+    for _ in range(poles):
+        speed = lagged(speed, PERIOD_S, lag_s / poles)
+    speed = speed + offset_rpm * RPM + noise_rad_s * random.normal(size=speed.size)
+    return MotionRecord(
+        PERIOD_S,
+        f"speed_{seed}.csv",
+        position_mm=1.0005 * rod + 0.3 + NOISE_MM * random.normal(size=rod.size),
+        motor_speed_rad_s=np.round(speed / (rpm * RPM)) * (rpm * RPM),
+        current_A=0.1 * np.sign(rate),
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("width", [0.0, 0.024, 0.08])
+def test_interval_of_the_width_holds_beside_an_integrated_speed(sheet: Actuator, width: float, kind: str) -> None:
+    cases = product((0.1, 1.0), (0.002, 0.01), (0.0, 0.5), (False, True))
+    for number, (rpm, lag_s, offset_rpm, by_load) in enumerate(cases, 1):
+        seen = play_seen(sheet, of_speed(number, width, kind, rpm=rpm, lag_s=lag_s, offset_rpm=offset_rpm, by_load=by_load))
+        assert seen is not None
+        (told,) = play_value(sheet, [seen])
+        # a play of none cannot be read as less, so that all its error is to one side
+        assert abs(told.value - width) < WIDTH_95 * told.std, (rpm, lag_s, offset_rpm, by_load, told)
+        # a turn a minute is 0.04 mm in half a second that noise hardly blurs
+        assert told.std < (0.003 if rpm < 1.0 else 0.009) + 0.1 * width, (rpm, lag_s, offset_rpm, by_load, told)
+
+
+def test_speed_without_noise_that_is_rounded_coarsely_is_told_with_more_doubt(sheet: Actuator) -> None:
+    fine, coarse = (play_seen(sheet, of_speed(3, 0.024, "pick and place", rpm=rpm, noise_rad_s=0.0)) for rpm in (0.1, 1.0))
+    assert fine is not None and coarse is not None
+    assert coarse.drift_mm > 3.0 * fine.drift_mm
+    assert abs(coarse.width_mm - 0.024) < WIDTH_95 * play_value(sheet, [coarse])[0].std
+
+
+@pytest.mark.parametrize("lag_s", [0.002, 0.01])
+@pytest.mark.parametrize("width", [0.0, 0.024, 0.08])
+def test_nothing_is_told_where_a_lag_looks_like_a_play(sheet: Actuator, width: float, lag_s: float) -> None:
+    # the motor runs at one speed both ways
+    assert play_seen(sheet, of_speed(7, width, "one speed", lag_s=lag_s)) is None
+
+
+def test_speed_of_the_rod_is_none_of_the_motor(sheet: Actuator) -> None:
+    there = of_speed(1, 0.03, "sine")
+    at_rod = there.with_columns({"motor_speed_rad_s": None, "speed_mm_s": MM_PER_RAD * there.recorded("motor_speed_rad_s")})
+    assert play_seen(sheet, at_rod) is None
+    # a recorded position counts more than an integral
+    both = play_seen(sheet, there.with_columns({"motor_position_mm": there.recorded("position_mm")}))
+    assert both is not None and (both.width_mm, both.drift_mm) == (pytest.approx(0.0, abs=1e-6), 0.0)
+
+
+def changed(sheet: Actuator, before: float, today: float, seed: int, **drive: Any) -> Any:
+    """What is told of one machine with plays of `before` and `today`, motions of all kinds and a drive that filters otherwise today; None where nothing is."""
+    machine: Any = SimpleNamespace(actuator=sheet, times=3.0)
+    healthy = plays_seen(sheet, [of_speed(seed + k, before, kind, **drive) for k, kind in enumerate((*KINDS, "sine"))])
+    otherwise = {**drive, "lag_s": 0.01, "poles": 2}
+    found = play_changes(
+        machine, healthy, [of_speed(seed + 10 + k, today, kind, **otherwise) for k, kind in enumerate(("sweep", "pick and place"))]
+    )
+    return found[0] if found else None
+
+
+@pytest.mark.parametrize("by_load", [False, True], ids=["friction", "load"])
+@pytest.mark.parametrize("rpm", [0.1, 1.0])
+@pytest.mark.parametrize("width", [0.0, 0.024, 0.08])
+def test_only_a_play_that_has_grown_is_a_change_by_the_speed(sheet: Actuator, width: float, rpm: float, by_load: bool) -> None:
+    same = changed(sheet, width, width, 100, rpm=rpm, by_load=by_load)
+    assert same is not None and not same.counts
+    grown = changed(sheet, width, width + 0.056, 100, rpm=rpm, by_load=by_load)
+    assert grown is not None and grown.counts
+    assert abs(grown.today - grown.healthy - 0.056) < WIDTH_95 * grown.std

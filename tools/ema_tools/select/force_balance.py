@@ -46,6 +46,7 @@ from ema_tools.select.balance_bench import (
 from ema_tools.select.balance_setting import LEVEL, VISCOUS, Setting
 from ema_tools.select.base_values import base_values
 from ema_tools.select.drive_lag import with_lag_fitted
+from ema_tools.select.few_samples import too_few
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_floor import estimated_floor
 from ema_tools.select.force_judge import CLEARLY, LEAST_OF_FIRST, LEAST_SHARE, SIZE_IN_STD, Judge, at_bound, is_carried, outside, unphysical
@@ -58,7 +59,6 @@ _STANDS_IN = "beside refitted base values it would stand in for others: it is so
 UNSOUGHT = f"{_STANDS_IN} (--method simulation)"
 NOT_SIMULATED = f"{_STANDS_IN}, which needs a known controller, and a record with the command and the position"
 ONE_MOTION = "one motion alone does not tell friction that differs by place from friction that differs by speed: record another motion"
-_SAMPLES_MIN = 60  # of motion, some for every number that is fitted in one part and confirmed in another [judgement]
 EFFECTS_MAX = 8  # more at once are not believed from one record [judgement]
 MANY = f"{EFFECTS_MAX} effects have been added: confirm them on another record before adding more"
 _OWN = 1e-3  # a column is the base values' own when they leave less than this of it [precision]
@@ -671,10 +671,8 @@ def _improved(
     """The same with the drive as late as the actuator says, at once where it says nothing."""
     report(0.0, "parts and balance")
     bench = Bench(actuator, records, holdout, fixes)
-    if (count := int(bench.sliding.sum())) < _SAMPLES_MIN:
-        least_s = _SAMPLES_MIN * max(smoother.every * smoother.period_s for smoother in bench.smoothers)
-        text = f"{count} samples of motion are left behind the filter, too few to confirm anything by others"
-        raise InputError(f"{records[0].file}: {text}: record {least_s:.2g} s of motion or more, slow and fast, both ways")
+    if few := too_few(actuator, bench):
+        raise InputError(f"{records[0].file}: {few}")
     search = ForceSearch(bench, report, veto=veto)
     bench.keep_inertia()
     search.prepare(bench.start.setting)
