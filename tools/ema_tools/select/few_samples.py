@@ -26,7 +26,7 @@ _UNITS = {"_rad": "rad", "_rad_s": "rad/s", "_mm": "mm", "_mm_s": "mm/s"}
 
 
 @dataclass(frozen=True)
-class _Column:
+class _MotionColumn:
     """The recorded column that the motion is made of: its steps in its unit, 0 where none are seen, and whether rounding to these is what it is noisy by."""
 
     name: str
@@ -94,7 +94,7 @@ def _moves(piece: Piece) -> NDArray[np.bool_]:
     return np.asarray(speed > SLOW_SHARE * np.max(speed))
 
 
-def _column_of(actuator: Actuator, record: AnyRecord) -> _Column:
+def _column_of(actuator: Actuator, record: AnyRecord) -> _MotionColumn:
     """The column of a record that the motor's motion is made of."""
     if isinstance(record, MotionRecord):
         name = motor_angle(record, train_of(actuator)).column
@@ -104,4 +104,4 @@ def _column_of(actuator: Actuator, record: AnyRecord) -> _Column:
         scale = actuator.lead_mm_per_rad
     step = resolution(record.recorded(name))
     noise, _ = noise_of_motion(actuator, record)
-    return _Column(name, step, step > 0.0 and step * _OF_STEPS >= _OF_NOISE * noise * scale)
+    return _MotionColumn(name, step, step > 0.0 and step * _OF_STEPS >= _OF_NOISE * noise * scale)
