@@ -451,7 +451,7 @@ ODD_RECORDS = {
     "with speed_mm_s alone": {"keep": ("speed_mm_s",)},
     "voltage alone": {"keep": ("voltage_V",)},
     "current alone": {"keep": ("current_A",)},
-    "triangle": {"text": "triangle:duration_s=6"},
+    "triangle": {"text": "triangle:duration_s=4"},
     "step": {"text": "step"},
 }
 ODD_ACTUATORS: dict[str, dict[str, object]] = {
@@ -475,7 +475,7 @@ def _odd(record: Record, cut: int | None = None, keep: tuple[str, ...] | None = 
 @pytest.mark.parametrize("odd", [pytest.param(odd, marks=() if "cut" in how else pytest.mark.slow) for odd, how in ODD_RECORDS.items()])
 def test_odd_records_are_answered(odd: str, tmp_path: Path) -> None:
     how = ODD_RECORDS[odd]
-    full = chirp_record(reference_actuator().changed(HOT), str(how.get("text", "chirp"))).with_noise(NOISE, 1)
+    full = chirp_record(reference_actuator().changed(HOT), str(how.get("text", SHORT))).with_noise(NOISE, 1)
     check_named(
         REFERENCE,
         written(tmp_path / "rec.csv", _odd(full, **how)),
@@ -493,13 +493,13 @@ def test_odd_actuators_are_answered(odd: str, tmp_path: Path) -> None:
     # a winding does not show in the motion of a drive that gives the current
     effect, size = ("spring_load", 0.01) if odd == "current mode" else ("winding_heating", 60.0)
     hidden = {f"{effect}.{load_definitions().effect(effect).parameters[0].field}": size}
-    check_named(actuator, written(tmp_path / "rec.csv", run_of(1, hidden, "chirp", actuator)), effect, size, tmp_path)
+    check_named(actuator, written(tmp_path / "rec.csv", run_of(1, hidden, SHORT, actuator)), effect, size, tmp_path)
 
 
 @pytest.mark.slow
 def test_a_long_record_is_answered(tmp_path: Path) -> None:
     """More rows than 16 bits with a sign count."""
-    check_named(REFERENCE, written(tmp_path / "rec.csv", run_of(1, HOT, "chirp:duration_s=35")), "winding_heating", 60.0, tmp_path)
+    check_named(REFERENCE, written(tmp_path / "rec.csv", run_of(1, HOT, "chirp:duration_s=33")), "winding_heating", 60.0, tmp_path)
 
 
 def check_named(actuator: Path, record: Path, effect: str, size: float, folder: Path, named: bool = True) -> None:

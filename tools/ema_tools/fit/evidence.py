@@ -298,6 +298,10 @@ class View:
         """`signature` of each of several changes, side by side; the error in the place of changes that the model refuses."""
         return self._each_moved(asked, self._without)
 
+    def of_signatures(self, asked: Sequence[Mapping[str, float]], seen: Callable[[Reals], Seen]) -> list[Seen | InputError]:
+        """`seen` of `signatures`, which are not held all at once; it is called from several threads."""
+        return self._each_moved(asked, lambda moved: seen(self._without(moved)))
+
     def _each_moved(self, asked: Sequence[Mapping[str, float]], seen: Callable[[Reals], Seen]) -> list[Seen | InputError]:
         """`seen` of what each of several changes makes of the model, [n], nothing taken off."""
         own, none = self.deviations[: len(self.evidence.spread)], np.zeros(self.deviations.size)
@@ -497,6 +501,9 @@ def _moved(here: View, reach: float) -> _Place | None:
     found: _Place | None = None
     for _ in range(_CHORDS):
         step = here.best_deviations(reach=reach) - here.deviations
+        if not step.any():
+            # all that may move lies at its reach: every share of the step would be the same run again
+            break
         there = next((place for place in _tried(here, step) if place.cost < here.plain_cost), None)
         if there is None:
             break

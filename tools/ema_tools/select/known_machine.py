@@ -269,19 +269,17 @@ class KnownMachine:
             for first in candidate.first
         ]
 
-        def scored(task: tuple[Any, float]) -> tuple[float, float]:
-            candidate, first = task
-            try:
-                vector = here.signature(candidate.changes(first))
-            except InputError:
-                return 0.0, 0.0
+        def scored(vector: Reals) -> tuple[float, float]:
             length = float(vector @ vector)
             share = float(np.clip(float(vector @ here.residual) / length, 0.0, 100.0)) if length > 0.0 else 0.0
             kept = min(share, 1.0)
             return 2.0 * kept * float(vector @ here.residual) - kept**2 * length, share
 
+        # side by side a signature takes a third of what it takes alone
+        found = here.of_signatures([candidate.changes(first) for candidate, first in tasks], scored)
         best: dict[tuple[str, bool], tuple[float, dict[str, float]]] = {}
-        for (candidate, first), (gain, share) in zip(tasks, each(scored, tasks), strict=True):
+        for (candidate, first), one in zip(tasks, found, strict=True):
+            gain, share = (0.0, 0.0) if isinstance(one, InputError) else one
             key = (candidate.effect, first > candidate.zero)
             if key not in best or gain > best[key][0]:
                 wanted = candidate.zero + (first - candidate.zero) * float(np.clip(share, 0.5, 20.0))
