@@ -21,7 +21,7 @@ from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
-from ema_tools.select.known_machine import KnownMachine
+from ema_tools.select.known_machine import KnownMachine, MachineFit
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, odd_signal, suspect, without_voltage
@@ -176,18 +176,24 @@ def _warm(warmer_degC: float, what: str, hidden: str) -> RecordRemark:
 
 def _of_its_temperature(evidence: Evidence) -> tuple[Evidence, tuple[RecordRemark, ...]]:
     """A record beside healthy runs without what another temperature makes of the machine, and what is said of that."""
-    known = KnownMachine(evidence)
-    base = known.base({})
+    known, base = _based(evidence)
+    grease = following(known, base)
+    if grease is None and (alone := without_magnets(known, base)) is not None:
+        # magnets bend what the record says of the grease
+        grease = following(*_based(alone[0]))
     said: tuple[RecordRemark, ...] = ()
-    if (moved_too := following(known, base)) is not None:
-        evidence, grease = moved_too
-        said = (_warm_grease(grease),)
-        known = KnownMachine(evidence)
-        base = known.base({})
+    if grease is not None:
+        evidence, said = replace(evidence, spread=grease[0].spread), (_warm_grease(grease[1]),)
+        known, base = _based(evidence)
     if (weaker := without_magnets(known, base)) is not None:
-        evidence, magnets = weaker
-        said = (_warm_magnets(magnets), *said)
+        evidence, said = weaker[0], (_warm_magnets(weaker[1]), *said)
     return evidence, said
+
+
+def _based(evidence: Evidence) -> tuple[KnownMachine, MachineFit]:
+    """The machine with CSJ, BLK and what scatters as the record has them."""
+    known = KnownMachine(evidence)
+    return known, known.base({})
 
 
 _AS_ASKED = RecordRemark(
