@@ -175,7 +175,7 @@ def _by_load(record: AnyRecord, smoother: Smoother, motor: _Motor, rod: Reals, t
     for load in (along, smoother.smooth(measured)) if measured is not None else (along,):
         columns = np.column_stack([np.ones_like(motor.mm), motor.mm, motor.errors, *([load] if load is not along else [])])
         largest = float(np.max(np.abs(load)))
-        inertias = _INERTIAS * largest / (float(np.max(np.abs(gains))) or 1.0) if motor.integrated else np.zeros(1)
+        inertias = _INERTIAS * largest / (float(np.max(np.abs(gains))) or 1.0)
         for force in (load + inertia * gains for inertia in inertias):
             for share in _SHARES * largest:
                 side = _held(np.sign(force + share * turned))
@@ -191,16 +191,14 @@ def _by_load(record: AnyRecord, smoother: Smoother, motor: _Motor, rod: Reals, t
 
 
 def _counted(motor: _Motor, turned: Reals, side: Reals, period_s: float) -> NDArray[np.bool_]:
-    """Rows that are fitted: where the motor moves, and beside an integrated speed for some time no side was changed, [rows]. On its way through the play the rod is anywhere, and a filtered speed
-    does not show how the motor turned round; an integral would make a lag of either."""
+    """Rows that are fitted: where the motor moves, and for some time no side was changed, [rows]. On its way through the play the rod is anywhere, and a filtered speed does not show how the motor
+    turned round; an integral would make a lag of either. Of a recorded position all rows that move serve where sides change faster than that."""
     moves: NDArray[np.bool_] = turned != 0.0
-    if not motor.integrated:
-        return moves
     places = np.arange(side.size)
     changed = np.concatenate(([False], side[1:] != side[:-1]))
     since = places - np.maximum.accumulate(np.where(changed, places, -side.size))
-    settled: NDArray[np.bool_] = since >= _SETTLES_S / period_s
-    return moves & settled
+    settled: NDArray[np.bool_] = moves & (since >= _SETTLES_S / period_s)
+    return settled if motor.integrated or np.count_nonzero(settled) > _ROWS * np.count_nonzero(moves) else moves
 
 
 def _std_by_left(fit: _Fit) -> float:
