@@ -68,6 +68,13 @@ def test_first_screen_answers(kind: str, sentence: str, short: tuple[str, ...]) 
     assert tuple(one.short for one in found.replies) == short
 
 
+@pytest.mark.parametrize("kind", ["missing", "fault"])
+def test_what_another_form_leaves_stands_beside_what_was_found(kind: str) -> None:
+    data = diagnosis(kind)
+    assert "unexplained" not in said(data).replies[2].more
+    assert "; 16 % of the excess stays unexplained" in said({**data, "unexplained": 0.16}).replies[2].more
+
+
 def test_next_command_has_the_paths_that_were_given() -> None:
     last = said(diagnosis("missing")).replies[-1]
     assert (

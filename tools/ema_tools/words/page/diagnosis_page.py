@@ -24,6 +24,7 @@ from ema_tools.words.page.first_screen import (
     first_screen,
     model_titles,
     next_best,
+    own_form_leaves,
     rungs,
     telling,
 )
@@ -306,7 +307,7 @@ def _rest(result: Diagnosed, found: signal_section.Traces | None, titles: dict[s
     """What the last model leaves: its size beside the noise level, and its spectra."""
     parts = [f"<p>{escape(_noise_verdict(result))}</p>"]
     share = getattr(result.found, "unexplained", None)
-    if share is not None and result.verdict != "adequate":
+    if share is not None and (result.verdict != "adequate" or own_form_leaves(result)):
         parts.append(f"<p>{100.0 * share:.0f} % of the excess over the noise level stays unexplained.</p>")
     parts.append(rest.spectra(found, titles, {one.name: one.floor_rms for one in result.signals}))
     return "".join(parts)

@@ -19,6 +19,7 @@ from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, read_sizes
 from ema_tools.words.sentences.balance import MOSTLY
+from ema_tools.words.sentences.diagnosis import LEAVES
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
@@ -249,7 +250,7 @@ def _missing(result: Diagnosed) -> Reply:
         return Reply(
             question,
             "Nothing",
-            f"but {names.listed(worn)}" if worn else _unchanged(result),
+            "; ".join([f"but {names.listed(worn)}", *own_form_leaves(result)]) if worn else _unchanged(result),
             "unsure" if worn else "good",
         )
     if result.verdict == "unknown" or not named:
@@ -273,6 +274,7 @@ def _missing(result: Diagnosed) -> Reply:
         told += f" at {words.number(place)} mm" if place is not None else ""
     if mostly := _mostly_unexplained(result):
         told += f"; {mostly}"
+    told += "".join(f"; {part}" for part in own_form_leaves(result))
     rivals = next_best(result)
     if rivals is not None and rivals[0].left and rivals[1].left:
         told += (
@@ -291,6 +293,17 @@ def _mostly_unexplained(result: Diagnosed) -> str:
         if share is not None and share > MOSTLY
         else ""
     )
+
+
+def own_form_leaves(result: Diagnosed) -> list[str]:
+    """What the machine's own form leaves of what was found by simulation, in words, where it is not next to nothing."""
+    share = result.found.unexplained if isinstance(result.found, DiagnosisResult) and result.verdict != "unknown" else None
+    return [f"{100.0 * share:.0f} % of the excess stays unexplained"] if share is not None and share > LEAVES and _found(result) else []
+
+
+def _found(result: Diagnosed) -> bool:
+    """Whether anything was found that may leave a share."""
+    return bool(accepted(result) or _changes(result))
 
 
 def _nearest(result: Diagnosed) -> list[str]:

@@ -14,7 +14,7 @@ from ema_tools.words.sentences.identification import TITLES as FAULT_TITLES
 from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 from ema_tools.words.sentences.sizes import size_text
 
-_LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
+LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
 
 
 def sentence(found: Answer) -> str:
@@ -69,7 +69,7 @@ def _said(found: Answer) -> str:
 def _left(found: Answer) -> str:
     """What another form of its own leaves of what was found."""
     left = found.diagnosis.unexplained
-    return f"; {100.0 * left:.0f} % of the excess stays unexplained" if found.diagnosis.fit is not None and left > _LEAVES else ""
+    return f"; {100.0 * left:.0f} % of the excess stays unexplained" if found.diagnosis.fit is not None and left > LEAVES else ""
 
 
 def _unit_words(found: Answer) -> str:
