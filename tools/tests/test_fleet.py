@@ -23,7 +23,7 @@ from ema_tools.results.provenance import provenance
 from ema_tools.results.reading import read_result
 from ema_tools.results.store import FleetRow, drop_superseded, keys, read_rows, write_part
 from ema_tools.tasks import fleet as tasks_fleet
-from ema_tools.tasks.fleet import RESULTS, Batch, judge, planned, run_fleet
+from ema_tools.tasks.fleet import RESULTS, Batch, firsts_first, judge, planned, run_fleet
 from ema_tools.tasks.history import LIMITS, histories, limits_of
 from ema_tools.words.answers.fleet import fleet_result
 from ema_tools.words.page.fleet import fleet_page, unit_page
@@ -209,6 +209,17 @@ def test_pages_and_result_say_the_same(tmp_path: Path) -> None:
     own = unit_page(result.units[1], units[1].rows, "../fleet.html", "ema fleet F -o D")
     assert "r &lt;x&gt;" in own
     assert own.count("<tr>") == 1 + 41
+
+
+def test_a_units_first_batch_comes_before_its_others_and_each_once() -> None:
+    batches = [
+        Batch(unit, "a.toml", (), unit, (), (str(place),), "out", False) for unit in "abcde" for place in range(3 if unit != "c" else 1)
+    ]
+    order = list(firsts_first(batches, 2))
+    assert [f"{one.unit}{one.keys[0]}" for one in order[:6]] == ["a0", "b0", "a1", "a2", "b1", "b2"]
+    assert sorted(map(id, order)) == sorted(map(id, batches))
+    for unit in "abcde":
+        assert [one.keys for one in order if one.unit == unit] == [one.keys for one in batches if one.unit == unit]
 
 
 @pytest.mark.slow

@@ -96,8 +96,8 @@ def run_fleet(
     with _client(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
 
-        left = iter(batches)
         ahead = _AHEAD * max(1, len(client.scheduler_info()["workers"]))
+        left = firsts_first(batches, ahead)
         at_work = {}
         following = as_completed()
 
@@ -126,6 +126,14 @@ def run_fleet(
             for further in itertools.islice(left, 1):
                 begin(further)
     return good + bad, bad
+
+
+def firsts_first(batches: Iterable[Batch], units: int) -> Iterator[Batch]:
+    """The batches of so many units after another, the first of each before the others of any: it makes the unit's model, and two at work side by side would both make it."""
+    groups = itertools.groupby(batches, lambda one: one.unit)
+    while window := [list(group) for _, group in itertools.islice(groups, units)]:
+        yield from (own[0] for own in window)
+        yield from itertools.chain.from_iterable(own[1:] for own in window)
 
 
 @contextlib.contextmanager
