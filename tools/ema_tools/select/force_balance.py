@@ -528,8 +528,8 @@ class ForceSearch:
             judged = self.bench.judged(accepted)
             held = self.bench.with_load_as_given(accepted)
             gain = self._gain(held, accepted)
-            slight = abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf) or self.judge.slight(held, gain)
-            if slight:
+            unseen = abs(judged.values[size]) < SIZE_IN_STD * judged.std.get(size, math.inf) or bool(self._as_zero(judged))
+            if unseen or self.judge.slight(held, gain):
                 self.bench.load_named = False
                 unnamed = self.with_patterns(accepted.patterns, accepted.samples)
                 if outside(unnamed):
