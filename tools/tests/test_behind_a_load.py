@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ema_tools.base.progress import untold
-from ema_tools.benchmarks.machines.trials import actuator_of
+from ema_tools.benchmarks.machines.trials import ALWAYS, MachineTrial, actuator_of, perform
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import MotionRecord
 from ema_tools.select.balance_bench import Bench, floor_of
@@ -105,6 +105,12 @@ def test_a_constant_torque_is_asked_again_beside_a_weight() -> None:
     assert [step.effect for step in steps] == ["cogging_torque", "constant_load"]
     assert "coulomb_asymmetry" in steps[-1].alike
     assert steps[-1].values["constant_load.torque_Nm"] == pytest.approx(0.01, abs=3.0 * steps[-1].std["constant_load.torque_Nm"])
+
+
+@pytest.mark.slow
+def test_a_constant_torque_that_stood_in_for_a_spring_is_gone_beside_it() -> None:
+    accepted = perform(MachineTrial("ball screw", 0, "start and stop", "spring_load", "large"))["accepted"]
+    assert [name for name in accepted if name not in ALWAYS] == ["spring_load"]
 
 
 def test_a_torque_of_no_effect_stands_before_the_lesser_part_that_is_named() -> None:
