@@ -17,7 +17,7 @@ from ema_tools.select.balance_bench import Bench, floor_of
 from ema_tools.select.force_balance import NOT_SIMULATED, UNSOUGHT, ForceSearch, _in_model, improve_by_forces
 from ema_tools.select.force_refit import add_by_forces
 from ema_tools.select.force_steps import ForceStep, ForceSteps, Tried
-from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
 from ema_tools.tasks.method import diagnosed
 from ema_tools.words.sentences.balance import sentence
 
@@ -39,8 +39,10 @@ def swung(
     dry_Nm: float = DRY_NM,
     hum_Nm: float = 0.0,
     phase_rad: float = 0.4,
+    heavier: float = 1.0,
 ) -> MotionRecord:
-    """Sixteen seconds of an arm whose weight is four times its dry friction. `share`: of the motor's torque that is friction; `rise`: of dry friction at standstill."""
+    """Sixteen seconds of an arm whose weight is four times its dry friction. `heavier`: its weight, of the healthy one's; `share`: of the motor's torque that is friction; `rise`: of dry friction at
+    standstill."""
     random, time = np.random.default_rng(seed), np.arange(4000) * 4e-3
     angle = sum(
         size * np.sin(2.0 * np.pi * hz * (1.0 + 0.05 * seed) * time + random.uniform(0.0, 6.0))
@@ -48,7 +50,7 @@ def swung(
     )
     speed = np.gradient(angle, 4e-3)
     way = np.sign(speed)
-    asked = 2e-4 * np.gradient(speed, 4e-3) + WEIGHT_NM * np.sin(angle / RATIO + phase_rad) + load_Nm
+    asked = 2e-4 * np.gradient(speed, 4e-3) + heavier * WEIGHT_NM * np.sin(angle / RATIO + phase_rad) + load_Nm
     level = dry_Nm * (1.0 + rise * np.exp(-np.abs(speed) / 8.0))
     torque = asked + 3e-4 * speed + level * way
     for _ in range(30 if share else 0):
@@ -97,6 +99,18 @@ def test_friction_of_the_torque_that_is_transmitted_is_found_behind_a_weight() -
     assert not one.reason
     assert one.errors.training == pytest.approx(answer.steps[-1].errors.training, rel=1e-3)
     assert one.values["load_dependent_friction.ratio"] == pytest.approx(last["load_dependent_friction.ratio"], rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("heavier", [1.0, 1.2, 1.4])
+def test_a_heavier_arm_is_one_value_and_not_three(heavier: float) -> None:
+    """It was a motor with less torque, and less inertia and friction by the same share, which does as much."""
+    healthy, sheet = [swung(seed) for seed in range(4)], joint()
+    answer = answer_by_balance(sheet, [swung(seed, heavier=heavier) for seed in (10, 11)], healthy=healthy)
+    changed = {one.name: one.today / one.healthy - 1.0 for one in answer.changed}
+    assert answer.verdict == "adequate"
+    assert len(changed) == (heavier > 1.0) and all(name.endswith("amplitude_Nm") for name in changed)
+    assert list(changed.values()) == [pytest.approx(heavier - 1.0, abs=0.03)] * len(changed)
 
 
 def test_a_constant_torque_is_asked_again_beside_a_weight() -> None:

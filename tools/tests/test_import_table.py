@@ -92,6 +92,21 @@ def test_the_draft_of_every_format_is_the_map_but_for_what_only_the_user_knows(t
     np.testing.assert_allclose(record.recorded("torque_Nm"), run()[2], rtol=1e-8, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ["struct.mat", "array.npz", "frame.parquet", "lists.json"])
+@pytest.mark.parametrize("share", [0.1, 0.6, 0.99])
+def test_a_file_that_was_cut_off_is_refused_in_a_sentence(tmp_path: Path, name: str, share: float) -> None:
+    write, its_map = FORMATS[name]
+    write(tmp_path / name)
+    whole = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(whole[: int(share * len(whole))])
+    (tmp_path / "map.toml").write_text(its_map, encoding="utf-8")
+    for command in (
+        ("draft", str(tmp_path / name), "-o", str(tmp_path / "new.toml")),
+        ("table", str(tmp_path / name), "--map", str(tmp_path / "map.toml"), "-o", str(tmp_path / "out")),
+    ):
+        assert name in complaint(run_ema("import", *command))
+
+
 def test_the_actuator_starts_from_the_records_and_has_no_controller(tmp_path: Path) -> None:
     out = imported(tmp_path, "a.csv", text())
     actuator = read_actuator(out / "actuator.toml", complete=False)

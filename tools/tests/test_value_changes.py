@@ -98,6 +98,11 @@ def test_a_standing_load_that_doubles_is_a_value_that_changed(tmp_path: Path, sh
     found = answer_by_balance(sheet, [record(tmp_path, seed, load=0.16) for seed in (50, 51, 52)], healthy=healthy)
     assert (found.verdict, [step.effect for step in found.forces.steps]) == ("adequate", [])
     assert shares(found) == {"constant_load.torque_Nm": pytest.approx(1.0, abs=0.05)}
+    # a load scatters by less than friction, which hid a fifth of it
+    found = answer_by_balance(sheet, [record(tmp_path, seed, load=0.096) for seed in (53, 54, 55)], healthy=healthy)
+    assert shares(found) == {"constant_load.torque_Nm": pytest.approx(0.2, abs=0.05)}
+    found = answer_by_balance(sheet, [record(tmp_path, seed, load=0.08) for seed in (56, 57, 58)], healthy=healthy)
+    assert (found.verdict, shares(found)) == ("adequate", {})
 
 
 @pytest.mark.slow

@@ -218,10 +218,15 @@ class Judge:
 
 def is_carried(pattern: Pattern) -> bool:
     """Whether an effect is what the machine carries, and no friction: a spring, or a swing no faster than the motor turns, as of an arm's weight."""
-    periodic = record_of(pattern.effect).periodic
+    return is_load(pattern.effect, pattern.shape.get(f"{pattern.effect}.periods", 1.0))
+
+
+def is_load(effect: str, periods: float) -> bool:
+    """The same of an effect by its name, and for a swing by how often it comes per turn of the motor."""
+    periodic = record_of(effect).periodic
     if periodic is not None:
-        return periodic.behind_gear and pattern.shape.get(f"{pattern.effect}.periods", 1.0) <= _ONCE_PER_TURN
-    return load_definitions().effect(pattern.effect).site == "LOAD"
+        return periodic.behind_gear and periods <= _ONCE_PER_TURN
+    return load_definitions().effect(effect).site == "LOAD"
 
 
 def _worse(before: float, after: float, gain: float, allowed: float) -> bool:

@@ -31,7 +31,7 @@ from ema_tools.select.torque_patterns import Pattern, pattern_of
 
 SURE_RECORDS = 3  # fewer say little of how records differ: parts of each stand in, and the answer says so [judgement]
 _CHANCE = 0.995  # of a healthy record to lie below the limit of one value, to one side [chance]
-_LEAST_SCATTER = 0.05  # of a base value, relative, where too few records tell it and none is stated: a day's grease moves friction by as much [judgement]
+LEAST_SCATTER = 0.05  # of a base value, relative, where too few records tell it and none is stated: a day's grease moves friction by as much [judgement]
 _LEAST_OF_DRIVE = 0.005  # scatter of a drive's reading, relative: as well as currents are measured [judgement]
 _SEEN = (
     0.05  # a record that shows less of a value than this, as a share of the one that shows most, says nothing of its scatter [judgement]
@@ -75,7 +75,7 @@ class HealthyByBalance:
         bench, rows = self.bench, self.bench.sliding
         left = _residual(bench, self.actuator)
         told = _alone((bench.start.drive - left)[rows, None], left[rows], _groups(bench, self.sure)[rows])
-        return max(_rms([float(one[0]) for one in told]), _LEAST_OF_DRIVE if self.sure else _LEAST_SCATTER)
+        return max(_rms([float(one[0]) for one in told]), _LEAST_OF_DRIVE if self.sure else LEAST_SCATTER)
 
     def limit(self, scatter: float, *std: float) -> float:
         """By how much a value must differ."""
@@ -179,7 +179,7 @@ def _alone(columns: Reals, left: Reals, group: NDArray[np.int64]) -> list[Reals]
 def least_scatter(actuator: Actuator, name: str, value: float) -> float:
     """The least scatter of a value, in its unit: as the actuator states, else a share of `value`."""
     stated = stated_std(actuator, name)
-    return _LEAST_SCATTER * abs(value) if stated is None else stated
+    return LEAST_SCATTER * abs(value) if stated is None else stated
 
 
 def healthy_machine(

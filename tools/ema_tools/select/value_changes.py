@@ -20,16 +20,19 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.jackknife import LEAST_RECORDS, jackknife_std
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
+from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.select.balance_bench import LOAD, Bench, load_effect, size_of_load, solved
 from ema_tools.select.fixes import Fixes
-from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD
+from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD, is_load
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
-from ema_tools.select.healthy_balance import HealthyByBalance, least_scatter
+from ema_tools.select.healthy_balance import LEAST_SCATTER, HealthyByBalance, least_scatter
 
 CONSTANT = "motor.torque_constant_Nm_per_A"
 _CLEAR_CHANGE = 1.1  # times the error is, or more, where a value stays as it was healthy, that has clearly changed [judgement]
 _LEAST_CHANGE = 0.03  # of a value, that few records may differ by on other days, and nobody acts upon [judgement]
+_OF_A_LOAD = 0.01  # scatter of what a machine carries, relative: a weight and a spring are the same on every day [judgement]
+_MORE = 0.5  # of a load: by how much it is changed to see what it does, in which all is linear [precision]
 _CLEARER = 0.95  # of the error of any single value must the drive as a whole leave, to be what has changed [judgement]
 
 
@@ -193,13 +196,20 @@ def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
     return gain > 0.0 and not any(one > WORSE_THIRD * other and one**2 - other**2 > WORSE_OF_GAIN * gain for one, other in pairs)
 
 
-def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]) -> Changes:
-    """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these. Raises MissingSignal,
-    InputError."""
+def changes_of(
+    machine: HealthyByBalance,
+    today: Actuator,
+    records: Sequence[AnyRecord],
+    fixes: Fixes,
+    missing: Collection[str],
+    loads: Mapping[str, float] | None = None,
+) -> Changes:
+    """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these; `loads`: of `load_today`. Raises
+    MissingSignal, InputError."""
     today, free, names = _as_today(machine, today, records, fixes, missing)
     others = _of_effects(machine, today, free, records, fixes, [name for name in names if name not in MECHANICAL_PARAMETERS])
     # a load that the machine has anyhow is as it is today
-    load = {name: free.values[name] for name in names if name == size_of_load()}
+    load = {**(loads or {}), **{name: free.values[name] for name in names if name == size_of_load()}}
     here = _beside(machine, today, free, records, fixes, names, load)
     if here is None:
         return Changes(tuple(others))
@@ -207,6 +217,64 @@ def changes_of(machine: HealthyByBalance, today: Actuator, records: Sequence[Any
     nearest = min(here.columns, key=lambda one: here.error([one])).name if not chosen else ""
     slight = [one for one in chosen if not _matters(here, chosen, one)]
     return Changes((*_of_base(here, chosen, nearest), *others), here.error(slight), here.doubt_Nm, nearest)
+
+
+def load_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> dict[str, float]:
+    """The size of one load that the machine has anyhow as today's records have it, where that alone makes of the healthy machine what they show; empty where it does not.
+
+    To be asked before the drive as a whole: with three base values beside it that does as much. Raises MissingSignal, InputError.
+    """
+    if not _own_loads(machine.actuator):
+        return {}
+    today, free, names = _as_today(machine, machine.actuator, records, fixes, ())
+    here = _beside(machine, today, free, records, fixes, names, {})
+    if here is None:
+        return {}
+    loads = _load_columns(here, machine, today, free, records, fixes, names)
+    best = min(loads, key=lambda one: here.error([one]))
+    left = here.error([best])
+    if machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], [best]) or not _matters(here, [best], best):
+        return {}
+    if any(here.error([one]) * _CLEARER <= left for one in here.columns):
+        return {}
+    return {best.name: best.healthy + float(here.changes([best])[0])}
+
+
+def _load_columns(
+    here: _Today,
+    machine: HealthyByBalance,
+    today: Actuator,
+    free: ForceRefit,
+    records: Sequence[AnyRecord],
+    fixes: Fixes,
+    names: Sequence[str],
+) -> list[_Column]:
+    """What each load that the machine has anyhow adds to its torque."""
+    found = []
+    for name in _own_loads(machine.actuator):
+        value = machine.actuator[name]
+        more = _beside(machine, today, free, records, fixes, names, {name: (1.0 + _MORE) * value})
+        if more is not None:
+            found.append(_Column(name, (here.left - more.left) / (_MORE * value), value, _scatter(machine.actuator, name, value)))
+    return found
+
+
+def _own_loads(actuator: Actuator) -> list[str]:
+    """Sizes of what a machine carries anyhow: a constant torque, a spring, a weight that swings."""
+    effects = [
+        name for name in actuator.active_effects if name == load_effect() or is_load(name, actuator.values.get(f"{name}.periods", 1.0))
+    ]
+    return [load_definitions().effect(name).size.name for name in effects]
+
+
+def _scatter(actuator: Actuator, name: str, value: float) -> float:
+    """By how much a value of a standing effect differs from day to day, at least."""
+    loads = _own_loads(actuator)
+    # where a force along the stroke begins, a day decides that counts from another place
+    if name in loads and (name != size_of_load() or len(loads) == 1):
+        return least_scatter(actuator, name, value) * _OF_A_LOAD / LEAST_SCATTER
+    # the size of a standing effect differs as much as all of its machine does
+    return least_scatter(actuator, name, value)
 
 
 def constant_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> float | None:
@@ -293,8 +361,7 @@ def _of_effects(
     found = []
     for name in names:
         healthy, value = machine.refit.values[name], free.values[name]
-        # the size of a standing effect differs as much as all of its machine does
-        spread, stds = least_scatter(machine.actuator, name, healthy), (machine.refit.std[name], free.std[name])
+        spread, stds = _scatter(machine.actuator, name, healthy), (machine.refit.std[name], free.std[name])
         limit = machine.limit(spread, *stds)
         if name.endswith("phase_rad"):
             if not limit < math.pi:

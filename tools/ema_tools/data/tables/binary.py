@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -38,7 +40,7 @@ def read_npz(path: Path, file: str, units: Units) -> RawTable:
     try:
         with np.load(path, allow_pickle=False) if path.suffix.lower() == ".npz" else _one(np.load(path, allow_pickle=False)) as content:
             arrays = {name: content[name] for name in content}
-    except (ValueError, OSError, EOFError, KeyError):
+    except (ValueError, OSError, EOFError, KeyError, BadZipFile, zlib.error):
         raise InputError(f"{file}: not a readable NumPy file of numbers: write it again with numpy.savez") from None
     return _table(_flat(arrays), file, "NumPy", units)
 
