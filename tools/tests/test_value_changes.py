@@ -103,6 +103,11 @@ def test_a_standing_load_that_doubles_is_a_value_that_changed(tmp_path: Path, sh
     assert shares(found) == {"constant_load.torque_Nm": pytest.approx(0.2, abs=0.05)}
     found = answer_by_balance(sheet, [record(tmp_path, seed, load=0.08) for seed in (56, 57, 58)], healthy=healthy)
     assert (found.verdict, shares(found)) == ("adequate", {})
+    # a motor that makes less torque changes the load by the same share as all else, which alone lies below its limit
+    found = answer_by_balance(
+        sheet, [record(tmp_path, seed, load=0.08, constant=0.92 * CONSTANT) for seed in (59, 60, 61)], healthy=healthy
+    )
+    assert "constant_load.torque_Nm" not in shares(found)
 
 
 @pytest.mark.slow

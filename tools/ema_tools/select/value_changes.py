@@ -32,6 +32,7 @@ CONSTANT = "motor.torque_constant_Nm_per_A"
 _CLEAR_CHANGE = 1.1  # times the error is, or more, where a value stays as it was healthy, that has clearly changed [judgement]
 _LEAST_CHANGE = 0.03  # of a value, that few records may differ by on other days, and nobody acts upon [judgement]
 _OF_A_LOAD = 0.01  # scatter of what a machine carries, relative: a weight and a spring are the same on every day [judgement]
+_AS_THE_DRIVE = 0.3  # of a load's change: so near to that of the drive as a whole, it may be that [judgement]
 _MORE = 0.5  # of a load: by how much it is changed to see what it does, in which all is linear [precision]
 _CLEARER = 0.95  # of the error of any single value must the drive as a whole leave, to be what has changed [judgement]
 
@@ -142,6 +143,12 @@ class _Today:
         return [self._rest(chosen, ~here if len(parts) > 1 else here, here) for here in parts]
 
     @property
+    def drive_change(self) -> float:
+        """By what share all of the drive would have changed, were it that alone; NaN where no constant stands between."""
+        whole = [one for one in self.columns if one.name == CONSTANT]
+        return float(self.changes(whole)[0]) if whole else math.nan
+
+    @property
     def doubt_Nm(self) -> float:
         """Rms of how far the torque of the healthy machine may be off on today's motion, one standard deviation."""
         return math.sqrt(float(np.mean(jackknife_std(self.moved) ** 2))) if self.moved else 0.0
@@ -207,10 +214,11 @@ def changes_of(
     """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these; `loads`: of `load_today`. Raises
     MissingSignal, InputError."""
     today, free, names = _as_today(machine, today, records, fixes, missing)
-    others = _of_effects(machine, today, free, records, fixes, [name for name in names if name not in MECHANICAL_PARAMETERS])
     # a load that the machine has anyhow is as it is today
     load = {**(loads or {}), **{name: free.values[name] for name in names if name == size_of_load()}}
     here = _beside(machine, today, free, records, fixes, names, load)
+    own = [name for name in names if name not in MECHANICAL_PARAMETERS]
+    others = _of_effects(machine, today, free, records, fixes, own, math.nan if here is None else here.drive_change)
     if here is None:
         return Changes(tuple(others))
     chosen = _chosen(here)
@@ -355,13 +363,22 @@ def _of_base(today: _Today, chosen: Sequence[_Column], nearest: str) -> list[Cha
 
 
 def _of_effects(
-    machine: HealthyByBalance, today: Actuator, free: ForceRefit, records: Sequence[AnyRecord], fixes: Fixes, names: Sequence[str]
+    machine: HealthyByBalance,
+    today: Actuator,
+    free: ForceRefit,
+    records: Sequence[AnyRecord],
+    fixes: Fixes,
+    names: Sequence[str],
+    drive_change: float,
 ) -> list[Change]:
-    """Values of the effects that the machine has anyhow."""
+    """Values of the effects that the machine has anyhow. `drive_change`: share by which the drive as a whole may have changed, which a load is no surer than where it changed by the same."""
     found = []
     for name in names:
         healthy, value = machine.refit.values[name], free.values[name]
-        spread, stds = _scatter(machine.actuator, name, healthy), (machine.refit.std[name], free.std[name])
+        share = value / healthy - 1.0 if healthy else math.nan
+        as_the_drive = abs(share - drive_change) < _AS_THE_DRIVE * abs(share)
+        spread = (least_scatter if as_the_drive else _scatter)(machine.actuator, name, healthy)
+        stds = machine.refit.std[name], free.std[name]
         limit = machine.limit(spread, *stds)
         if name.endswith("phase_rad"):
             if not limit < math.pi:
