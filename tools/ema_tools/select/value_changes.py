@@ -211,8 +211,8 @@ def changes_of(
     missing: Collection[str],
     loads: Mapping[str, float] | None = None,
 ) -> Changes:
-    """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for; `today`: the model with these; `loads`: of `load_today`. Raises
-    MissingSignal, InputError."""
+    """Every value of the healthy machine that is fitted on both sides, but for those that effects which are `missing` today stand for. `today`: the model with these; `loads`: sizes of
+    `changed_alone`. Raises MissingSignal, InputError."""
     today, free, names = _as_today(machine, today, records, fixes, missing)
     # a load that the machine has anyhow is as it is today
     load = {**(loads or {}), **{name: free.values[name] for name in names if name == size_of_load()}}
@@ -227,44 +227,45 @@ def changes_of(
     return Changes((*_of_base(here, chosen, nearest), *others), here.error(slight), here.doubt_Nm, nearest)
 
 
-def load_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> dict[str, float]:
-    """The size of one load that the machine has anyhow as today's records have it, where that alone makes of the healthy machine what they show; empty where it does not.
+def changed_alone(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> dict[str, float]:
+    """The one value that alone makes of the healthy machine, its standing effects and all, what today's records show, as they have it: the size of a load that it has anyhow, else the motor's torque
+    constant; empty where neither does.
 
-    To be asked before the drive as a whole: with three base values beside it that does as much. Raises MissingSignal, InputError.
+    To be asked before effects are sought: these and the base values would each take their share of it. The load comes first, since the drive with three base values beside it does as much as one.
+    Raises MissingSignal, InputError.
     """
-    if not _own_loads(machine.actuator):
+    sizes = _own_loads(machine.actuator)
+    if not sizes and not _constant_shows(machine.actuator, records):
         return {}
     today, free, names = _as_today(machine, machine.actuator, records, fixes, ())
-    here = _beside(machine, today, free, records, fixes, names, {})
+
+    def with_sizes(sized: Mapping[str, float]) -> _Today | None:
+        return _beside(machine, today, free, records, fixes, names, sized)
+
+    here = with_sizes({})
     if here is None:
         return {}
-    loads = _load_columns(here, machine, today, free, records, fixes, names)
-    best = min(loads, key=lambda one: here.error([one]))
-    left = here.error([best])
-    if machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], [best]) or not _matters(here, [best], best):
-        return {}
-    if any(here.error([one]) * _CLEARER <= left for one in here.columns):
-        return {}
-    return {best.name: best.healthy + float(here.changes([best])[0])}
-
-
-def _load_columns(
-    here: _Today,
-    machine: HealthyByBalance,
-    today: Actuator,
-    free: ForceRefit,
-    records: Sequence[AnyRecord],
-    fixes: Fixes,
-    names: Sequence[str],
-) -> list[_Column]:
-    """What each load that the machine has anyhow adds to its torque."""
-    found = []
-    for name in _own_loads(machine.actuator):
+    loads = []
+    for name in sizes:
         value = machine.actuator[name]
-        more = _beside(machine, today, free, records, fixes, names, {name: (1.0 + _MORE) * value})
+        more = with_sizes({name: (1.0 + _MORE) * value})
         if more is not None:
-            found.append(_Column(name, (here.left - more.left) / (_MORE * value), value, _scatter(machine.actuator, name, value)))
-    return found
+            loads.append(_Column(name, (here.left - more.left) / (_MORE * value), value, _scatter(machine.actuator, name, value)))
+    best = min(loads, key=lambda one: here.error([one]), default=None)
+    if best is not None and _does_all(here, best, here.columns):
+        return {best.name: best.healthy + float(here.changes([best])[0])}
+    single = [one for one in here.columns if one.name != CONSTANT]
+    if any(_does_all(here, one, single) for one in here.columns if one.name == CONSTANT):
+        return {CONSTANT: machine.actuator[CONSTANT] / (1.0 + here.drive_change)}
+    return {}
+
+
+def _does_all(here: _Today, column: _Column, rivals: Sequence[_Column]) -> bool:
+    """Whether one change is clear, leaves no more than the healthy machine may, and clearly less than each of its rivals alone."""
+    left = here.error([column])
+    if here.machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], [column]) or not _matters(here, [column], column):
+        return False
+    return all(here.error([one]) * _CLEARER > left for one in rivals)
 
 
 def _own_loads(actuator: Actuator) -> list[str]:
@@ -283,26 +284,6 @@ def _scatter(actuator: Actuator, name: str, value: float) -> float:
         return least_scatter(actuator, name, value) * _OF_A_LOAD / LEAST_SCATTER
     # the size of a standing effect differs as much as all of its machine does
     return least_scatter(actuator, name, value)
-
-
-def constant_today(machine: HealthyByBalance, records: Sequence[AnyRecord], fixes: Fixes) -> float | None:
-    """The motor's torque constant as today's records have it, where that alone makes of the healthy machine, its standing effects and all, what they show; None where it does not.
-
-    To be asked before effects are sought: these and the base values would each take their share of it. Raises MissingSignal, InputError.
-    """
-    if not _constant_shows(machine.actuator, records):
-        return None
-    today, free, names = _as_today(machine, machine.actuator, records, fixes, ())
-    here = _beside(machine, today, free, records, fixes, names, {})
-    if here is None:
-        return None
-    whole = [one for one in here.columns if one.name == CONSTANT]
-    left = here.error(whole)
-    if machine.beyond(left, here.doubt_Nm) or not _clearly(here, [], whole) or not _matters(here, whole, whole[0]):
-        return None
-    if any(here.error([one]) * _CLEARER <= left for one in here.columns if one.name != CONSTANT):
-        return None
-    return machine.actuator[CONSTANT] / (1.0 + float(here.changes(whole)[0]))
 
 
 def _constant_shows(healthy: Actuator, records: Sequence[AnyRecord]) -> bool:

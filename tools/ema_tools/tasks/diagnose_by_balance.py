@@ -33,7 +33,7 @@ from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
 from ema_tools.select.play_changes import play_changes, play_value, plays_seen
-from ema_tools.select.value_changes import CONSTANT, Change, changes_of, constant_today, load_today
+from ema_tools.select.value_changes import CONSTANT, Change, changed_alone, changes_of
 from ema_tools.select.winding_changes import winding_changes
 
 LAPS_MIN = 3  # fewer laps than these leave too little to hold out [judgement]
@@ -315,9 +315,8 @@ def _against(
 ) -> BalanceAnswer:
     """What has changed against a healthy machine."""
     known = machine.actuator
-    load = load_today(machine, records, fixes)
-    constant = constant_today(machine, records, fixes) if not load else None
-    start = known.changed(load if constant is None else {CONSTANT: constant})
+    alone = changed_alone(machine, records, fixes)
+    start = known.changed(alone)
     forces = improve_by_forces(start, records, holdout, lambda share, text: report(0.6 * share, text), fixes, machine.veto)
     resized = _with_own_sizes(machine, start, forces, records, fixes)
     if resized is not None:
@@ -325,12 +324,13 @@ def _against(
         veto = _nothing_more if enough else machine.veto
         again = improve_by_forces(sized, records, holdout, lambda share, text: report(0.6 + 0.4 * share, text), fixes, veto)
         forces = again if enough or _explains(again, forces) else forces
-    if load or constant is not None or resized is not None:
+    if alone or resized is not None:
         # what the healthy machine leaves is told with its own values
         forces = replace(forces, given=given_errors(known, Bench(known, records, holdout, fixes)))
     report(1.0, "done")
     named = {step.effect for step in forces.steps}
-    told = changes_of(machine, forces.actuator, records, fixes, named, load)
+    loads = {name: value for name, value in alone.items() if name != CONSTANT}
+    told = changes_of(machine, forces.actuator, records, fixes, named, loads)
     plays = plays_seen(known, machine.records)
     changes = (*told.values, *play_changes(machine, plays, records), *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))

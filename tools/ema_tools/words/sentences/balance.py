@@ -70,15 +70,17 @@ def sentence(found: BalanceAnswer) -> str:
 def _leads(found: BalanceAnswer) -> str:
     """What stays, before the names, where they explain the lesser part."""
     left = found.unexplained
-    said = left is not None and left > MOSTLY
-    return f"most of what the base values leave ({100.0 * left:.0f} %) is explained by nothing in the library; " if said and left else ""
+    if left is None or left <= MOSTLY:
+        return ""
+    return f"most of what the base values leave ({100.0 * left:.0f} %) is explained by nothing in the library; "
 
 
 def _stays(found: BalanceAnswer) -> str:
     """What stays beside the names, where it is the lesser part and more than a little."""
     left = found.unexplained
-    said = left is not None and MOSTLY >= left > _TOLD
-    return f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained" if said and left else ""
+    if left is None or not _TOLD < left <= MOSTLY:
+        return ""
+    return f"; {100.0 * left:.0f} % of what the base values left above that stays unexplained"
 
 
 def _named(found: BalanceAnswer) -> str:
