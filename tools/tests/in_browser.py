@@ -31,6 +31,26 @@ def launched() -> Iterator[Any]:
         opened.close()
 
 
+def first_paint_ms(page: Any, loads: int = 3) -> float:
+    """When something was first seen, ms after the page was asked for: the least of a few loads, since a busy machine only adds. A page is complete before it is painted, hence the wait."""
+    waits = """new Promise((resolve) => new PerformanceObserver((list, one) => {
+      const seen = list.getEntriesByName("first-contentful-paint");
+      if (seen.length) { one.disconnect(); resolve(seen[0].startTime); }
+    }).observe({ type: "paint", buffered: true }))"""
+    least: float = page.evaluate(waits)
+    for _ in range(loads - 1):
+        page.reload()
+        least = min(least, page.evaluate(waits))
+    return least
+
+
+def at_rest(page: Any) -> None:
+    """Waits until what was asked for is drawn: pages draw in the next frame, and may ask for one more in it."""
+    page.evaluate(
+        "new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(resolve)))))"
+    )
+
+
 def hindrances(page: Any) -> list[Any]:
     """What axe-core finds serious or critical on a page as it stands, with every part that can be opened open."""
     script = uplot.packages() / "axe-core" / "axe.min.js"

@@ -14,7 +14,7 @@ from ema_tools.tasks.history import histories
 from ema_tools.words.answers.fleet import fleet_result
 from ema_tools.words.page import write_report
 from ema_tools.words.page.fleet import fleet_page, unit_page
-from in_browser import LAPTOP, PHONE, SMALL, hindrances, launched, not_reached
+from in_browser import LAPTOP, PHONE, SMALL, at_rest, hindrances, launched, not_reached
 from report_results import JUDGED, compared, identified, judged, mapped
 from test_fleet import LIMITS, drifting
 from test_report_diagnosis import made
@@ -92,7 +92,7 @@ def test_what_is_zoomed_in_one_is_zoomed_in_all_of_its_result(opened: Any) -> No
     assert first == pytest.approx(0.3, abs=0.01) and last == pytest.approx(0.9, abs=0.01) and views()[3] == views()[2]
     # the crosshair reads every curve there
     page.mouse.move(box["x"] + 0.5 * box["width"], middle)
-    page.wait_for_timeout(100)
+    at_rest(page)
     assert "measured" in page.locator('[data-curves="result-2"] .values').first.inner_text()
     assert complaints == []
 
@@ -109,16 +109,16 @@ def test_a_series_of_curves_is_switched_by_its_key_in_its_own_result_alone(opene
     # by the keyboard
     key.focus()
     page.keyboard.press("Space")
-    page.wait_for_timeout(100)
+    at_rest(page)
     without = drawn("result-1")
     assert [now != before for now, before in zip(without, first, strict=True)] == [True, False] * 6 and drawn("result-2") == other
     # by a click on the key's words
     page.locator('label:has(input[data-of="result-1"][data-show="after"])').click()
-    page.wait_for_timeout(100)
+    at_rest(page)
     assert [now != before for now, before in zip(drawn("result-1"), without, strict=True)] == [False] * 6 + [True] * 6
     for one in ("measured", "after"):
         page.locator(f'input[data-of="result-1"][data-show="{one}"]').check()
-    page.wait_for_timeout(100)
+    at_rest(page)
     assert drawn("result-1") == first and complaints == []
 
 
