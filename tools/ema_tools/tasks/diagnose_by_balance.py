@@ -25,6 +25,7 @@ from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.results.localisation import Pictures
 from ema_tools.select.balance_bench import Bench, Fitted, FoldErrors, compared_percent, given_errors
 from ema_tools.select.base_values import BaseValue
+from ema_tools.select.fewest_causes import Causes, fewer_causes
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
 from ema_tools.select.force_refit import refit_by_forces
@@ -256,7 +257,7 @@ def answer_by_balance(
             check_apart(record, healthy)
         gates_of(actuator, healthy)
         machine = healthy_machine(actuator, healthy, fixes, lambda share, text: tell(0.45 * share, f"healthy machine, {text}"))
-        return _against(machine, records, holdout, gates, fixes, lambda share, text: tell(0.45 + 0.5 * share, text))
+        return answer_against(machine, records, holdout, gates, fixes, lambda share, text: tell(0.45 + 0.5 * share, text))
     forces = improve_by_forces(actuator, records, holdout, lambda share, text: tell(0.95 * share, text), fixes)
     first = records[0]
     there = where(actuator, first) if not isinstance(first, MotionRecord) else None
@@ -305,32 +306,35 @@ def _explains(resized: ForceSteps, new: ForceSteps) -> bool:
     return after < _BETTER * before or (len(resized.steps) < len(new.steps) and after <= before / _BETTER)
 
 
-def _against(
+def answer_against(
     machine: HealthyByBalance,
     records: Sequence[AnyRecord],
     holdout: Sequence[AnyRecord],
     gates: tuple[RecordValidity, ...],
-    fixes: Fixes,
-    report: Report,
+    fixes: Fixes = NONE,
+    report: Report = untold,
 ) -> BalanceAnswer:
-    """What has changed against a healthy machine."""
+    """What has changed against a healthy machine. `gates`: whether each of the records can answer."""
     known = machine.actuator
     alone = changed_alone(machine, records, fixes)
     start = known.changed(alone)
-    forces = improve_by_forces(start, records, holdout, lambda share, text: report(0.6 * share, text), fixes, machine.veto)
+    forces = improve_by_forces(start, records, holdout, lambda share, text: report(0.5 * share, text), fixes, machine.veto)
     resized = _with_own_sizes(machine, start, forces, records, fixes)
     if resized is not None:
         sized, enough = resized
         veto = _nothing_more if enough else machine.veto
-        again = improve_by_forces(sized, records, holdout, lambda share, text: report(0.6 + 0.4 * share, text), fixes, veto)
+        again = improve_by_forces(sized, records, holdout, lambda share, text: report(0.5 + 0.4 * share, text), fixes, veto)
         forces = again if enough or _explains(again, forces) else forces
     if alone or resized is not None:
         # what the healthy machine leaves is told with its own values
         forces = replace(forces, given=given_errors(known, Bench(known, records, holdout, fixes)))
-    report(1.0, "done")
     named = {step.effect for step in forces.steps}
     loads = {name: value for name, value in alone.items() if name != CONSTANT}
-    told = changes_of(machine, forces.actuator, records, fixes, named, loads)
+    found = Causes(forces, changes_of(machine, forces.actuator, records, fixes, named, loads))
+    if not alone:
+        found = fewer_causes(machine, found, records, holdout, fixes, lambda share, text: report(0.9 + 0.1 * share, text))
+    report(1.0, "done")
+    forces, told = found.forces, found.told
     plays = plays_seen(known, machine.records)
     changes = (*told.values, *play_changes(machine, plays, records), *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))

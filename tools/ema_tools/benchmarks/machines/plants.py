@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -74,6 +74,7 @@ _STEP_AT, _STEP_WIDTH = 0.2, 0.15  # of the stroke, where friction that differs 
 BEHIND = 0.3  # share of the inertia that is behind a play
 _CONTACT = 0.4  # of the gap: how far its ends yield under the friction
 _DAMPED = 0.3  # of their critical damping
+SCATTER: Mapping[str, float] = {"friction": 0.02, "viscous": 0.04}  # from record to record, standard deviation relative
 COMMANDS = ("steady speeds", "sweeps", "start and stop", "pick and place")
 
 
@@ -87,11 +88,12 @@ def shows(kind: str, effect: str, command: str) -> bool:
 
 @dataclass(frozen=True)
 class Machine:
-    """One unit of a kind with what is hidden in it, by effect as a share."""
+    """One unit of a kind with what is hidden in it, by effect as a share. `changed`: what has become of its own numbers, `constant` of the motor's among them, as shares too."""
 
     kind: str
     number: int
     hidden: Mapping[str, float]
+    changed: Mapping[str, float] = field(default_factory=dict)
 
     def values(self) -> dict[str, float]:
         """Its own numbers, which differ from the kind's as units do."""
@@ -197,6 +199,20 @@ def records(machine: Machine, command: str) -> list[MotionRecord]:
     return [_record(machine, command, number, _own(machine)) for number in range(_count(command))]
 
 
+def records_of_day(machine: Machine, command: str, day: int) -> list[MotionRecord]:
+    """The same on one of several days, from 1 on: other noise, other places and times of what is moved by chance, and friction and drag that differ from record to record."""
+    found = []
+    for number in range(_count(command)):
+        random = np.random.default_rng([15_487_469, list(KINDS).index(machine.kind), machine.number, COMMANDS.index(command), day, number])
+        changed = dict(machine.changed)
+        for name, scatter in SCATTER.items():
+            changed[name] = (1.0 + changed.get(name, 0.0)) * (1.0 + scatter * float(random.normal())) - 1.0
+        here = replace(machine, changed=changed)
+        angle, speed, _, torque = _happened(here, command, number, _own(here), random)
+        found.append(_measured(KINDS[machine.kind], here, angle, speed, torque, f"{command}, day {day}, {number + 1}", random))
+    return found
+
+
 def torques(machine: Machine, command: str) -> list[Mapping[str, Reals]]:
     """What happened in those records, without noise: angle_rad, speed_rad_s and the drive's torque_Nm of each, [rows]."""
     names = ("angle_rad", "speed_rad_s", "torque_Nm")
@@ -256,13 +272,14 @@ def _own(machine: Machine) -> Reals:
     one, values = KINDS[machine.kind], machine.values()
     hidden, level = machine.hidden, values["friction"]
     limit = 8.0 * level + 2.0 * one.arm_Nm
+    today = {name: 1.0 + machine.changed.get(name, 0.0) for name in ("inertia", "friction", "viscous")}
     # a loop that a twentieth of the largest speed of error makes overcome the friction
     stiffness = values["gain"] * max(60.0 * values["inertia"], level / (0.05 * one.fastest_rad_s))
     return np.array(
         [
-            values["inertia"],
-            level,
-            values["viscous"],
+            today["inertia"] * values["inertia"],
+            today["friction"] * level,
+            today["viscous"] * values["viscous"],
             stiffness,
             15.0 * stiffness,
             limit,
@@ -324,7 +341,7 @@ def _measured(
         columns[one.motion] = speed + random.normal(0.0, 0.002 * one.fastest_rad_s, speed.size)
     columns[one.drive] = {
         "torque_Nm": noisy,
-        "current_A": noisy / one.constant_Nm_per_A,
+        "current_A": noisy / (one.constant_Nm_per_A * (1.0 + machine.changed.get("constant", 0.0))),
         "force_N": noisy / (1e-3 * (one.mm_per_rad or 1.0)),
     }[one.drive]
     if one.arm_Nm:

@@ -1,0 +1,97 @@
+"""The answers as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ema_tools.benchmarks.machines.plants import EFFECTS, KINDS, SCATTER
+from ema_tools.benchmarks.since_healthy.trials import CHANGES, MOVING, NOTHING
+
+Rows = Sequence[Mapping[str, Any]]
+# As for machines without healthy records, which are asked less.
+_WANTED_RIGHT, _WANTED_WRONG, _WANTED_ACCUSED = 95.0, 1.0, 0.5
+
+
+def right(row: Mapping[str, Any]) -> bool:
+    """Whether the answer says what has happened and nothing else: the value, the effect or one that such records cannot tell from it, or nothing."""
+    accepted, changed = row.get("accepted", []), row.get("changed", {})
+    if "refused" in row:
+        return False
+    if row["since"] == NOTHING:
+        return row["verdict"] == "adequate" and not accepted and not changed
+    if row["since"] in CHANGES:
+        return not accepted and list(changed) == [CHANGES[row["since"]][0]]
+    return len(accepted) == 1 and row["since"] in row["classes"][0] and not changed
+
+
+def wrong(row: Mapping[str, Any]) -> bool:
+    """Whether the answer says something that has not happened. A constant load that stands as a changed load, or a change that is told beside a right one, is one as well."""
+    accepted, changed = row.get("accepted", []), row.get("changed", {})
+    told = CHANGES[row["since"]][0] if row["since"] in CHANGES else ""
+    return (
+        any(row["since"] not in alike for alike in row.get("classes", []))
+        or any(name != told for name in changed)
+        or (told != "" and bool(accepted))
+    )
+
+
+def _share(rows: Rows, holds: Callable[[Mapping[str, Any]], bool]) -> tuple[float, str]:
+    """In %, and in words with the counts."""
+    count = sum(holds(row) for row in rows)
+    percent = 100.0 * count / len(rows) if rows else 0.0
+    return percent, f"{percent:.1f} % ({count} of {len(rows)})" if rows else "-"
+
+
+def _answer(row: Mapping[str, Any]) -> str:
+    """What was said, in a few words."""
+    if "refused" in row:
+        return str(row["refused"])
+    changed = [f"{name} {percent:+.0f} %" if percent is not None else name for name, percent in row["changed"].items()]
+    return ", ".join([*row["accepted"], *changed]) or row["verdict"]
+
+
+def written(rows: Rows, call: str) -> str:
+    """The document."""
+    nothing = [row for row in rows if row["since"] == NOTHING]
+    values = [row for row in rows if row["since"] in CHANGES]
+    effects = [row for row in rows if row["since"] in EFFECTS]
+    goals: tuple[tuple[str, tuple[float, str], str, Callable[[float], bool]], ...] = (
+        ("a value that changed is told, and nothing else", _share(values, right), ">= 95 %", lambda value: value >= _WANTED_RIGHT),
+        ("an effect that began is told, and nothing else", _share(effects, right), ">= 95 %", lambda value: value >= _WANTED_RIGHT),
+        ("something told that has not happened", _share([*values, *effects], wrong), "<= 1 %", lambda value: value <= _WANTED_WRONG),
+        ("unchanged machines accused", _share(nothing, wrong), "<= 1 of 200", lambda value: value <= _WANTED_ACCUSED),
+    )
+    lines = [
+        "# What has happened since a machine was healthy, its controller being unknown",
+        "",
+        "Written by a command; do not edit. To write it again, after `cmake --workflow --preset test`, in `tools` with the build's Python:",
+        "",
+        f"    {call}",
+        "",
+        "The machines are those of MACHINES.md, which share nothing with the library. Two days of three healthy records are given by `--healthy`, and three of a third day, when one",
+        f"thing has happened: {', '.join(f'{name} {100.0 * share:+g} %' for name, (_, share) in CHANGES.items())}, or an effect has begun (sizes as there), or nothing. From record to",
+        f"record friction differs by {100.0 * SCATTER['friction']:g} % and drag by {100.0 * SCATTER['viscous']:g} % (standard deviation); what moves by chance moves otherwise every time. *Right* is what",
+        "happened, or an effect that the answer says these records cannot tell from it, and nothing beside it; *wrong* is anything told that did not happen. An answer that names nothing",
+        "where something happened is neither.",
+        "",
+        "## Goals",
+        "",
+        "| goal | limit | met | reached |",
+        "|---|---|---|---:|",
+        *(f"| {title} | {limit} | {'yes' if met(found[0]) else '**no**'} | {found[1]} |" for title, found, limit, met in goals),
+        "",
+    ]
+    for title, key, names in (
+        ("By what happened", "since", (NOTHING, *CHANGES, *EFFECTS)),
+        ("By kind of machine", "kind", tuple(KINDS)),
+        ("By command", "command", MOVING),
+    ):
+        lines += [f"## {title}", "", f"| {key} | right | wrong |", "|---|---:|---:|"]
+        for name in names:
+            here = [row for row in rows if row[key] == name]
+            lines.append(f"| {name} | {_share(here, right)[1]} | {_share(here, wrong)[1]} |")
+        lines.append("")
+    lines += ["## What was not right", "", "| machine, command and what happened | answer |", "|---|---|"]
+    lines += [f"| {row['key']} | {_answer(row)} |" for row in rows if not right(row)]
+    return "\n".join(lines) + "\n"
