@@ -205,6 +205,7 @@ class ChangeEntry:
     limit: float  # a change must be larger
     counts: bool  # whether it is, and every part held out says so
     unit: str
+    called: str | None = field(default=None, metadata=SPARE)  # what it is on this machine, where its name does not say so
 
 
 @dataclass(frozen=True, kw_only=True)

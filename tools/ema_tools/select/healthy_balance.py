@@ -16,18 +16,20 @@ from scipy import special
 from ema_tools.balances.effects import adjusted
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.fit.nuisance import stated_std
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
-from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect
+from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect, solved
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
 from ema_tools.select.force_steps import ForceSteps, Tried
 from ema_tools.select.torque_patterns import Pattern, pattern_of
+from ema_tools.select.two_groups import CSJ, FRICTION_OF_DAYS, two_groups
 
 SURE_RECORDS = 3  # fewer say little of how records differ: parts of each stand in, and the answer says so [judgement]
 _CHANCE = 0.995  # of a healthy record to lie below the limit of one value, to one side [chance]
@@ -38,6 +40,7 @@ _SEEN = (
 )
 _AS_HEALTHY = 0.1  # an effect that takes so much of its gain off the healthy records too is no change [judgement]
 _AS_HEALTHY_LEFT = 1.1  # of what is left of the healthy records: more is left of today's before an effect is sought in it [judgement]
+_LIKE_AT, _LIKE = (0.5, 0.95), 1.25  # quantiles of the speed that records of like motion share, to this factor [judgement]
 _MARGIN = 1.3  # over the worst healthy record, that an error is beyond it [judgement]
 
 
@@ -176,6 +179,42 @@ def _alone(columns: Reals, left: Reals, group: NDArray[np.int64]) -> list[Reals]
     ]
 
 
+def _check_states(bench: Bench, known: Actuator) -> None:
+    """Raises InputError where the friction of one or more of several records of like motion is far from that of the others: one that is not healthy would be taken for scatter."""
+    place, level = MECHANICAL_PARAMETERS.index(CSJ), known[CSJ] * (known["screw.dynamic_ratio"] or 1.0)
+    if len(bench.records) < 2 or place in bench.taken or not level > 0.0:
+        return
+    left, column, rows = _residual(bench, known), bench.start.base[:, place], bench.sliding
+    speed = bench.kept(np.abs(bench.start.setting.states.speed_rad_s))
+    of_record = [rows & (bench.of_record == number) for number in range(len(bench.records))]
+    if not all(here.any() for here in of_record):
+        return
+    friction = np.array([float(solved(column[here, None], left[here])[0]) for here in of_record]) / level
+    found = two_groups(np.abs(friction[:, None] - friction[None, :]), FRICTION_OF_DAYS)
+    if found is None:
+        return
+    few, rest = ([one for place, one in enumerate(of_record) if (place in found[0]) is side] for side in (True, False))
+    # friction at other speeds is another friction, of which a model lacks something
+    if not all(_within([speed[one] for one in rest], speed[here]) for here in few):
+        return
+    names = [record.file for record in bench.records]
+    odd = ", ".join(names[number] for number in found[0])
+    others = ", ".join(name for number, name in enumerate(names) if number not in found[0])
+    by = 100.0 * (float(np.mean(friction[list(found[0])])) - float(np.mean(np.delete(friction, list(found[0])))))
+    raise InputError(
+        f"{odd}: not of the same state as {others}: friction (CSJ) differs by {by:+.0f} %, which is no scatter of one machine: leave out of --healthy what is not healthy"
+    )
+
+
+def _within(others: Sequence[Reals], speed: Reals) -> bool:
+    """Whether speeds are like those of some others, by their middle and their fastest."""
+    for share in _LIKE_AT:
+        ends = [float(np.quantile(one, share)) for one in others]
+        if not min(ends) / _LIKE <= float(np.quantile(speed, share)) <= max(ends) * _LIKE:
+            return False
+    return True
+
+
 def least_scatter(actuator: Actuator, name: str, value: float) -> float:
     """The least scatter of a value, in its unit: as the actuator states, else a share of `value`."""
     stated = stated_std(actuator, name)
@@ -194,6 +233,7 @@ def healthy_machine(
     bench = Bench(known, records, (), fixes, whole=True)
     bench.keep_undetermined()
     sure = len(records) >= SURE_RECORDS
+    _check_states(bench, known)
     group, left = _groups(bench, sure), _residual(bench, known)
     left, group, base = left[bench.sliding], group[bench.sliding], bench.start.base[bench.sliding]
     scatter: dict[str, float] = {}

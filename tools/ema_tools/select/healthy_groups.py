@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
@@ -22,14 +21,14 @@ from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.whitening import counted, least_noise, spectrum
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
+from ema_tools.select.two_groups import CSJ, FRICTION_OF_DAYS, two_groups
 
 # How far values of one machine may lie apart on two days, relative: beyond, one record is of another state. Grease may do anything [judgement]
-_OF_DAYS = {"screw.csj_Nm": 0.18, "screw.blk_mm": 0.2, "motor.resistance_ohm": 0.15}
+_OF_DAYS = {CSJ: FRICTION_OF_DAYS, "screw.blk_mm": 0.2, "motor.resistance_ohm": 0.15}
 _NOISE = 2.0  # times the sensors' noise may be left between two records [judgement]
 _NOT_SENSED = ("voltage_V",)  # the controller's answer to noise, not a sensor of its own [physics]
 _ASKED = 0.95  # of the power of the commanded speed lies below a frequency ... [judgement]
 _HARMONICS = 5.0  # ... of which what a model lacks has as many multiples: above is noise, and below as much of it as there [judgement]
-_GAP = 2.0  # the widest gap over the next, from which on records are two groups [judgement]
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ def two_states(beside: Compared, bases: Sequence[MachineFit]) -> Apart | None:
     for name, usual in _OF_DAYS.items():
         if all(name in base.values for base in bases) and beside.actuator[name] > 0.0:
             values = np.array([base.values[name] for base in bases]) / beside.actuator[name]
-            found = _two_groups(np.abs(values[:, None] - values[None, :]), usual)
+            found = two_groups(np.abs(values[:, None] - values[None, :]), usual)
             if found is not None:
                 return Apart(found[0], name, found[1])
     left = np.array(each(lambda one: _left(*one), list(zip(beside.known_repeats, bases, strict=True))))
@@ -54,7 +53,7 @@ def two_states(beside: Compared, bases: Sequence[MachineFit]) -> Apart | None:
         if signal in _NOT_SENSED:
             continue
         between = np.sqrt(np.mean((left[:, None, place] - left[None, :, place]) ** 2, axis=2) / 2.0)
-        found = _two_groups(between, _NOISE)
+        found = two_groups(between, _NOISE)
         if found is not None:
             return Apart(found[0], signal, found[1])
     return None
@@ -115,18 +114,3 @@ def _coloured(machine: KnownMachine, left: Reals) -> Reals:
         return np.zeros(len(left))
     below = first * np.mean(power[:, first : 2 * first], axis=1)
     return np.asarray(np.sqrt((below + np.sum(power[:, first:], axis=1)) * 2.0 / counted(left.shape[1])))
-
-
-def _two_groups(between: Reals, usual: float) -> tuple[tuple[int, ...], float] | None:
-    """The smaller of two groups, and the gap, where the distances [records, records] have one that is wider than `usual` and far wider than the next."""
-    tree = minimum_spanning_tree(between).toarray()
-    edges = np.sort(tree[tree > 0.0])
-    if not edges.size or edges[-1] <= max(usual, _GAP * (edges[-2] if edges.size > 1 else 0.0)):
-        return None
-    joined = (tree > 0.0) & (tree < edges[-1])
-    group = {0}
-    while more := {k for at in group for k in np.flatnonzero(joined[at] | joined[:, at]).tolist()} - group:
-        group |= more
-    other = set(range(len(between))) - group
-    smaller = min((group, other), key=lambda one: (len(one), 0 in one))
-    return tuple(sorted(smaller)), float(edges[-1])

@@ -31,7 +31,7 @@ from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward, loads
 from ema_tools.words.answers.validity import validity
-from ema_tools.words.sentences.balance import next_step, sentence
+from ema_tools.words.sentences.balance import next_step, sentence, swing_called
 from ema_tools.words.sentences.base_values import contradiction
 from ema_tools.words.sentences.machine_units import units_of
 
@@ -61,7 +61,7 @@ def diagnosis_by_balance(
         faults={fault: entry for fault, name in FAULTS.items() for entry in _fault(found, name, fault)},
         standing=_standing(found),
         healthy=None if found.healthy is None else _healthy(found, found.healthy),
-        changes={shown(row_of(one.name)): _change(one) for one in found.changes},
+        changes={shown(row_of(one.name)): _change(found, one) for one in found.changes},
         error=ErrorsEntry(way.given.training, last.training, found.floor_percent, way.given.holdout, last.holdout),
         error_unit=FORCE_UNIT,
         floor_from=found.floor_from,
@@ -130,10 +130,13 @@ def _with_contradiction(found: BalanceAnswer) -> RecordValidity:
     return replace(gate, remarks=(RecordRemark("scale", "weakens", text), *gate.remarks)) if text else gate
 
 
-def _change(one: Change) -> result.ChangeEntry:
+def _change(found: BalanceAnswer, one: Change) -> result.ChangeEntry:
     change = one.today - one.healthy
     percent = 100.0 * change / one.healthy if one.healthy else None
-    return result.ChangeEntry(one.healthy, one.today, percent, interval95(change, one.std), one.limit, one.counts, row_of(one.name).unit)
+    called = swing_called(one.name, found.known, units_of(found.known, found.records)) or None
+    return result.ChangeEntry(
+        one.healthy, one.today, percent, interval95(change, one.std), one.limit, one.counts, row_of(one.name).unit, called
+    )
 
 
 def _fault(found: BalanceAnswer, name: str, fault: str) -> Iterator[EffectEntry]:

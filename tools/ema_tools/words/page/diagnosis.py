@@ -252,7 +252,7 @@ def _changed(page: Gathered, result: Diagnosed) -> None:
         spread = words.interval(low, high) if low is not None and high is not None else "–"
         state = '<span class="verdict missing">changed</span>' if entry.counts else ""
         rows.append(
-            f'<tr><th scope="row">{escape(one.name)}</th><td class="words">{escape(entry.unit)}</td><td>{words.number(entry.healthy, 4)}</td>'
+            f'<tr><th scope="row">{escape(one.title)} <small>{escape(one.name)}</small></th><td class="words">{escape(entry.unit)}</td><td>{words.number(entry.healthy, 4)}</td>'
             f'<td>{words.number(entry.today, 4)}</td><td>{spread}</td><td>{words.number(entry.limit, 2)}</td><td class="words">{state}</td></tr>'
         )
     caption = "Values of the healthy machine beside today's; a change must exceed what healthy records differ by."

@@ -14,7 +14,7 @@ from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResul
 from ema_tools.words.page import base_values, charts, heat, names, rest, where_pictures, workbench
 from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
-from ema_tools.words.page.diagnosis_results import Diagnosed, Value
+from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange, Value
 from ema_tools.words.page.first_screen import (
     NEAR,
     TriedEffect,
@@ -349,11 +349,7 @@ def _records(result: Diagnosed) -> str:
                 rows,
             )
         )
-    changed = [
-        f'<tr><th scope="row">{escape(one.name)}</th><td>{words.number(one.entry.healthy, 4)} {escape(one.entry.unit)}</td><td>{words.number(one.entry.today, 4)} {escape(one.entry.unit)}</td>'
-        f"<td>{words.number(one.entry.limit, 2)} {escape(one.entry.unit)}</td><td>{'<b class=' + chr(34) + 'bad' + chr(34) + '>changed</b>' if one.entry.counts else 'as it was'}</td></tr>"
-        for one in result.changes
-    ]
+    changed = [_change_row(one) for one in result.changes]
     if changed:
         parts.append(
             table(
@@ -383,6 +379,15 @@ def _records(result: Diagnosed) -> str:
             )
         )
     return "".join(parts)
+
+
+def _change_row(one: ShownChange) -> str:
+    """One value of the healthy machine beside today's."""
+    entry = one.entry
+    healthy, today = (f"<td>{words.number(value, 4)} {escape(entry.unit)}</td>" for value in (entry.healthy, entry.today))
+    state = '<b class="bad">changed</b>' if entry.counts else "as it was"
+    head = f'<th scope="row">{escape(one.title)} <small>{escape(one.name)}</small></th>'
+    return f"<tr>{head}{healthy}{today}<td>{words.number(entry.limit, 2)} {escape(entry.unit)}</td><td>{state}</td></tr>"
 
 
 def _provenance(result: Diagnosed, command: str) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ema_tools.base.arrays import Reals
+from ema_tools.library.display_names import value_called
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import Series
 from ema_tools.results.diagnosis import BaseEntry, ChangeEntry, DiagnosisByBalanceResult, DiagnosisResult
@@ -98,6 +99,11 @@ class ShownChange:
 
     name: str
     entry: ChangeEntry
+
+    @property
+    def title(self) -> str:
+        """What it is, in a few words."""
+        return self.entry.called or value_called(self.name)
 
 
 @dataclass(frozen=True)

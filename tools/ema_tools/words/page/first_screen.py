@@ -7,7 +7,6 @@ import re
 import shlex
 from dataclasses import dataclass
 
-from ema_tools.library.display_names import value_called
 from ema_tools.library.faults import FAULTS
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
@@ -119,10 +118,10 @@ def _changes(result: Diagnosed) -> list[str]:
 def _changed(one: ShownChange) -> str:
     """One value that is no fault."""
     if one.entry.change_percent is None:
-        return f"{value_called(one.name)} changed"
+        return f"{one.title} changed"
     low, high = one.entry.interval95
     half = 50.0 * (high - low) / abs(one.entry.healthy) if low is not None and high is not None else None
-    return f"{value_called(one.name)} {names.changed(one.entry.change_percent, half)}"
+    return f"{one.title} {names.changed(one.entry.change_percent, half)}"
 
 
 def _off_sheet(result: Diagnosed) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ema_tools.data.actuator import row_of
+from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.fit.division import By
 from ema_tools.fit.temperature import COPPER_PER_DEGC
 from ema_tools.library.display_names import coded, value_coded
@@ -13,6 +13,7 @@ from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape
 from ema_tools.results.parts import ForwardErrors
 from ema_tools.select.balance_bench import LOAD
+from ema_tools.select.force_judge import is_load
 from ema_tools.select.force_steps import ForceStep
 from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
 from ema_tools.select.value_changes import Change
@@ -123,10 +124,11 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     count, after = len(machine.records), found.last
     given = found.forces.given
     against = f"against {count} healthy record{'s' if count > 1 else ''}"
-    errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % after; the healthy records leave {found.healthy_percent:.2f} %"
+    then = "after" if found.accepted or found.changed else "with base values refitted to them"
+    errors = f"force error {given.training:.2f} % by the healthy machine, {after.training:.2f} % {then}; the healthy records leave {found.healthy_percent:.2f} % of theirs"
     verb = "are" if len(found.accepted) > 1 else "is"
     told = [f"{_leads(found)}missing {verb} {_named(found)}{_stays(found)}"] if found.accepted else []
-    told += [_changed(one, units_of(found.known, found.records)) for one in found.changed]
+    told += [_changed(found, one) for one in found.changed]
     if not told:
         told.append(_nothing_told(found, machine))
     elif not found.accepted and after.training > _MORE * found.healthy_percent:
@@ -149,8 +151,8 @@ def _nothing_told(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     if machine.beyond(found.left_Nm):
         count = len(machine.records)
         return (
-            f"nothing has surely changed: {count} healthy record{'s do' if count > 1 else ' does'} not tell this motion better; more of them, of the same motion, would"
-            + _nearest(found, nearest)
+            f"no change is sure: the healthy machine leaves more of these records than of its own, but {count} healthy record{'s' if count > 1 else ''} cannot foretell this motion more closely;"
+            " more of them, of the same motion, would tell" + _nearest(found, nearest)
         )
     return "nothing has changed by more than healthy records differ"
 
@@ -160,22 +162,35 @@ def _nearest(found: BalanceAnswer, nearest: Change | None) -> str:
     if nearest is None or not nearest.healthy:
         return ""
     share, limit = (100.0 * part / abs(nearest.healthy) for part in (nearest.today - nearest.healthy, nearest.limit))
-    title = _title(nearest.name, units_of(found.known, found.records))
+    title = _title(found, nearest.name)
     return f"; {title} comes nearest, {'+' if share > 0.0 else ''}{significant(share, 2)} %, and must differ by more than {significant(limit, 2)} %"
 
 
-def _title(name: str, units: MachineUnits) -> str:
+def _title(found: BalanceAnswer, name: str) -> str:
     """A value by what people call it, its own name behind it."""
+    units = units_of(found.known, found.records)
+    if swing := swing_called(name, found.known, units):
+        return f"{swing} ({name})"
     return value_coded(name) if units.m_per_rad is None else units.title(name)
 
 
-def _changed(one: Change, units: MachineUnits) -> str:
+def swing_called(name: str, machine: Actuator, units: MachineUnits) -> str:
+    """What the size of a wave is that comes no oftener than the motor turns: a weight that swings, whatever its effect is called; empty for any other value."""
+    effect, _, field = name.partition(".")
+    periodic = record_of(effect).periodic
+    if periodic is None or field.endswith("phase_rad") or field == "periods" or not is_load(effect, machine[f"{effect}.periods"]):
+        return ""
+    often, _, cause = units.swing(machine[f"{effect}.periods"]).partition(":")
+    return f"swing {'of a weight ' if cause else ''}{often.partition(',')[0]}"
+
+
+def _changed(found: BalanceAnswer, one: Change) -> str:
     """One value that has changed."""
-    row = row_of(one.name)
+    row, units = row_of(one.name), units_of(found.known, found.records)
     (healthy, unit), (today, _) = units.told(one.healthy, row.unit), units.told(one.today, row.unit)
     percent_off = 100.0 * (today - healthy) / abs(healthy) if healthy else 0.0
     share = f" ({'+' if percent_off > 0.0 else ''}{significant(percent_off, 2)} %)" if healthy else ""
-    text = f"{_title(one.name, units)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
+    text = f"{_title(found, one.name)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
     if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
         text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer"
     return text

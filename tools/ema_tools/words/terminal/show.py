@@ -311,7 +311,7 @@ def _changed(called: str, percent: float | None) -> str:
 def _first_line(found: DiagnosisResult | DiagnosisByBalanceResult) -> str:
     """The verdict, with what has changed of the machine."""
     if isinstance(found, DiagnosisByBalanceResult):
-        changed = [_changed(value_called(name), one.change_percent) for name, one in found.changes.items() if one.counts]
+        changed = [_changed(one.called or value_called(name), one.change_percent) for name, one in found.changes.items() if one.counts]
         if found.untellable:
             return "Verdict: unknown: chance or something missing, these records do not tell."
     else:
