@@ -20,7 +20,7 @@ _SCATTER_DRY, _SCATTER_DRAG = 0.01, 0.03
 
 
 def _record(folder: Path, seed: int, *, dry: float = 1.0, drag: float = 1.0, bends: float = 0.0, bearing: float = 0.0) -> MotionRecord:
-    """One record of a machine with a load; `bends`: drag that grows with the square of the speed, at the fastest as a share of the friction, `bearing`: friction as a share of what the screw transmits."""
+    """One record of a machine with a load. `bends`: drag that grows as the square of the speed, `bearing`: friction by what the screw transmits, shares of the friction, and of that."""
     random = np.random.default_rng(2000 + seed)
     moves = speed(seed, steady=False)
     side = np.tanh(moves / 0.05)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ema_tools.data.motion_records import read_motion_record
 from support import complaint, run_ema
 
 PERIOD_S, INERTIA = 0.01, 2e-4
@@ -139,3 +140,46 @@ def test_a_linear_machine_is_told_along_its_line(tmp_path: Path) -> None:
     )
     assert ran.code == 0, ran.err  # type: ignore[attr-defined]
     assert "along the line: mass 8 kg, viscous friction" in ran.out and "dry friction 1" in ran.out  # type: ignore[attr-defined]
+
+
+def test_an_angle_behind_the_gear_is_held_against_the_motor_s(tmp_path: Path) -> None:
+    """A joint has no rod: by a lead of 360 mm a millimetre is a degree, and what contradicts the motor is seen."""
+    time, angle, speed, torque = motion()
+    columns = {"t": time, "out": np.degrees(angle) / 50.0, "n": speed, "tau": torque}
+    mapped = [("time_s", "t", "s"), ("position_mm", "out", "deg"), ("motor_speed_rad_s", "n", "rad/s"), DRIVEN]
+    joint = 'ratio = 50\nlead = "360 mm"'
+    told = remarks(tmp_path, imported(tmp_path, columns, mapped, joint))
+    assert any("position_mm and motor_speed_rad_s agree" in one for one in told), told
+    found = read_motion_record(tmp_path / "out" / "log.csv").recorded("position_mm")
+    assert np.ptp(found) == pytest.approx(np.ptp(columns["out"]), rel=1e-3)
+    assert 'lead = "360 mm" where nothing moves along a line' in complaint(imported(tmp_path, columns, mapped))
+    assert "position_mm moves 0.1 times as far" in complaint(imported(tmp_path, columns, mapped, joint.replace("50", "5")))
+    assert "run against each other" in complaint(imported(tmp_path, {**columns, "out": -columns["out"]}, mapped, joint))
+
+
+def test_a_signal_that_is_shorter_than_the_others_is_named(tmp_path: Path) -> None:
+    time, angle, _, torque = motion()
+    log = {"t": time.tolist(), "phi": angle.tolist(), "tau": torque[:-300].tolist()}
+    (tmp_path / "log.json").write_text(json.dumps({"samples": log}), encoding="utf-8")
+    entries = [("time_s", "t", "s"), ("motor_angle_rad", "phi", "rad"), DRIVEN]
+    (tmp_path / "map.toml").write_text(
+        "".join(f'[columns.{name}]\nfrom = "samples.{of}"\nunit = "{unit}"\n' for name, of, unit in entries), encoding="utf-8"
+    )
+    ran = run_ema("import", "table", tmp_path / "log.json", "--map", tmp_path / "map.toml", "-o", tmp_path / "out")
+    assert '"samples.tau" has 1200 values, where the other columns have 1500' in complaint(ran)
+
+
+def test_two_columns_below_a_title_have_their_names(tmp_path: Path) -> None:
+    """Of two fields one unit that nobody knows made the row of units one of names."""
+    time, angle, *_ = motion()
+    rows = "\n".join(f"{1e3 * at:.0f};{one:.5f}" for at, one in zip(time, 1e3 * angle, strict=True))
+    (tmp_path / "log.csv").write_text(f"Achse X1;Gantry 3\nZeit;Istposition\nms;Ink\n{rows}\n", encoding="utf-8")
+    (tmp_path / "map.toml").write_text(
+        "".join(
+            f'[columns.{name}]\nfrom = "{of}"\nunit = "{unit}"\n'
+            for name, of, unit in (("time_s", "Zeit", "ms"), ("motor_angle_rad", "Istposition", "mrad"), ("current_A", "Iststrom", "A"))
+        ),
+        encoding="utf-8",
+    )
+    ran = run_ema("import", "table", tmp_path / "log.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / "out")
+    assert 'no column "Iststrom": columns are "Zeit", "Istposition"' in complaint(ran)

@@ -196,6 +196,14 @@ def test_a_load_s_position_is_a_motion(tmp_path: Path) -> None:
     assert taken(drafted(tmp_path, "load position [mm]", "iq [A]")[0])["position_mm"] == "load position [mm]"
 
 
+def test_an_angle_of_the_output_is_a_way_by_the_lead(tmp_path: Path) -> None:
+    """Taken for the motor's, it would be as many times too small as the gear reduces."""
+    found, text, said = drafted(tmp_path, "joint_pos [deg]", "motor speed [rpm]", "iq [A]")
+    assert taken(found)["position_mm"] == "joint_pos [deg]" and found["position_mm"]["unit"] == "deg"
+    assert 'lead = "360 mm"' in text and "turns behind the gear" in said
+    assert taken(drafted(tmp_path, "motor pos [deg]", "iq [A]")[0])["motor_angle_rad"] == "motor pos [deg]"
+
+
 @pytest.mark.parametrize(
     ("name", "bare", "unit"),
     [

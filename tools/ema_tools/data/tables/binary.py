@@ -163,4 +163,5 @@ def _table(found: Found, file: str, kind: str, units: Units) -> RawTable:
         RawColumn(name, unit_in_name(name, units), np.ascontiguousarray(numbers), number, texts)
         for number, (name, (numbers, texts)) in enumerate(((name, one) for name, one in arrays.items() if one[0].size == rows), start=1)
     )
-    return RawTable(file, columns, np.arange(1, rows + 1), Layout(kind), constants)
+    uneven = {name: numbers.size for name, (numbers, _) in arrays.items() if numbers.size != rows}
+    return RawTable(file, columns, np.arange(1, rows + 1), Layout(kind), constants, uneven=uneven)

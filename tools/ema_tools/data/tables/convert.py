@@ -120,6 +120,12 @@ def found_column(table: RawTable, name: str, column: ColumnMap, map_file: str) -
         fitting = [one for one in table.columns if same(one.name)]
         if fitting:
             return fitting[0]
+    uneven = next((one for one in table.uneven if plain(one) == plain(text)), None)
+    if uneven is not None:
+        raise InputError(
+            f'{table.file}: "{uneven}" has {table.uneven[uneven]} values, where the other columns have {table.rows.size}: every signal needs one in every row: write the file again, or name'
+            f" another column in [columns.{name}] of {map_file}"
+        )
     near = difflib.get_close_matches(plain(text), [plain(one) for one in table.names], n=1, cutoff=0.5)
     hint = next((f' (did you mean "{one}"?)' for one in table.names if near and plain(one) == near[0]), "")
     raise InputError(

@@ -41,6 +41,10 @@ _OF_SUFFIX: Mapping[str, tuple[str, ...]] = {
     "V": ("voltage_V",),
     "C": ("temperature_C",),
 }
+# What turns behind a gear is by the lead a column of the rod.
+_BEHIND_GEAR: Mapping[str, str] = {"motor_angle_rad": "position_mm", "motor_speed_rad_s": "speed_mm_s"}
+_TURNS_BEHIND = "CHECK: it turns behind the gear, by its name: with ratio and lead in [machine] it is a way; of the motor itself it is motor_angle_rad or motor_speed_rad_s"
+_ONE_DEGREE_MM = '"360 mm"  # nothing moves along a line: a millimetre of every degree'
 # Drives at the shaft: beside one of them a force that a cell measures is a load.
 _AT_SHAFT = frozenset({"torque_Nm", "current_A"})
 # Steps from row to row by which a clock without a unit is taken for one of seconds, milliseconds or microseconds. [judgement]
@@ -168,7 +172,10 @@ def _guess(column: RawColumn, table: RawTable, units: Units) -> Guess:
     if unit.lower() in SHARES:
         names = [one for one in names if suffix_of(one) in NOMINAL]
     found = bare
-    if names:
+    behind = _BEHIND_GEAR.get(names[0] if names else "", "")
+    if behind and suffix and says.behind:
+        found = replace(bare, target=behind, said=_TURNS_BEHIND)
+    elif names:
         found = replace(bare, target=_which(names, name, says.role))
     elif suffix in _OF_SUFFIX and not word:
         found = replace(bare, target=_which(list(_OF_SUFFIX[suffix]), name, says.role), by="its unit")
@@ -423,6 +430,7 @@ def _machine_lines(used: Sequence[Guess], named: set[str], supply_V: float) -> t
             needed.append(NOMINAL[suffix_of(one.target)])
         elif "encoder_count" in plain_unit(one.unit):
             needed.append("counts_per_turn")
+    behind = any(one.said == _TURNS_BEHIND for one in used)
     at_rod = {"position_mm", "motor_position_mm", "speed_mm_s", "force_N", "disturbance_N", "command_mm"} & targets
     if at_rod:
         needed += ["lead", "ratio"]
@@ -438,7 +446,9 @@ def _machine_lines(used: Sequence[Guess], named: set[str], supply_V: float) -> t
         example = f'"{QUANTITIES[key].example}"' if key in QUANTITIES else "4096" if key == "counts_per_turn" else "1"
         if key == "nominal_voltage" and supply_V:
             example = f'"{supply_V:.3g} V", the supply\'s in the middle of this file'
-        if key in needed:
+        if key == "lead" and behind:
+            lines.append(f"lead = {_ONE_DEGREE_MM}")
+        elif key in needed:
             lines.append(f'{key} = "{OPEN}"  # {meaning}; such as {example}')
             opened.append(f"machine.{key}")
         elif key in ("lead", "ratio", "inertia", "mass", "torque_constant", "friction", "viscous"):

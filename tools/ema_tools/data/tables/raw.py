@@ -43,6 +43,7 @@ class Layout:
 class RawTable:
     """A file's columns of equal length. `rows` [rows]: the number of each row as an editor shows it, from 1; `constants`: single numbers beside the columns, by name.
 
+    `uneven`: arrays of another length than most, which are no columns, and their lengths by name.
     `cut_row`: the last row, where it ends in the middle and was left out; `footer_rows`: rows of text below the numbers, left out.
     """
 
@@ -53,6 +54,7 @@ class RawTable:
     constants: Mapping[str, float] = field(default_factory=dict)
     cut_row: int | None = None
     footer_rows: int = 0
+    uneven: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:

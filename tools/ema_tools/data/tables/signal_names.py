@@ -15,6 +15,8 @@ Role = Literal["", "asked", "actual"]
 # What a column is besides its kind: of the electronics' supply, of one phase, along the field, of the pulses of a bridge, a load that another sensor measures, a controller's error.
 Special = Literal["", "supply", "phase", "field", "duty", "cell", "load", "error"]
 
+# What turns behind the gear.
+_BEHIND = re.compile(r"\b(out|output|load|joint|link|abtrieb\w*|gelenk\w*|getriebe\w*)\b")
 # What may stand behind a symbol of one letter.
 _OF_SYMBOL = r"(ist|act|meas|soll|set|ref|cmd)"
 # What names of signals look like, in the languages that makers write; the first that fits is taken.
@@ -69,12 +71,13 @@ _SETS: Sequence[tuple[frozenset[str], int]] = (
 
 @dataclass(frozen=True)
 class SpokenName:
-    """What a name says: `kind` of signal (empty where it says none), whether it is asked for or measured, what else it is; `phase`: A or V and the phase that it may be of."""
+    """What a name says: `kind` of signal (empty where it says none), whether it is asked for or measured, what else it is; `phase`: A or V and the phase that it may be of; `behind` a gear."""
 
     kind: str = ""
     role: Role = ""
     special: Special = ""
     phase: str = ""
+    behind: bool = False
 
 
 def spoken(name: str, unit_suffix: str, units: Units, share: bool = False) -> SpokenName:
@@ -95,7 +98,7 @@ def spoken(name: str, unit_suffix: str, units: Units, share: bool = False) -> Sp
     ):
         phase = ""
     phase = phase and ("V" if kind == "voltage" or unit_suffix == "V" else "A") + phase
-    return SpokenName(kind, role, _special(text, kind, unit_suffix, share), phase)
+    return SpokenName(kind, role, _special(text, kind, unit_suffix, share), phase, bool(_BEHIND.search(text)))
 
 
 def is_setpoint_symbol(name: str, units: Units) -> bool:

@@ -103,7 +103,7 @@ class TableMap:
     def units(self) -> Units:
         """Units with this machine's counts and nominal values."""
         nominal = {name: self.machine[name] for name in NOMINAL.values() if name in self.machine}
-        return Units(self.machine.get("counts_per_turn", 0.0), nominal)
+        return Units(self.machine.get("counts_per_turn", 0.0), nominal, self.machine.get("lead", 0.0))
 
     @property
     def mm_per_rad(self) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -64,6 +65,8 @@ _SPELLINGS: Mapping[str, str] = {
     "amp": "A",
     "amps": "A",
     "volts": "V",
+    "ohm": "ohm",
+    "ohms": "ohm",
     "nm": "Nm",
     "n.m": "Nm",
     "n-m": "Nm",
@@ -103,7 +106,9 @@ SHARES: Mapping[str, float] = {
     "1/1000": 0.001,
 }
 RMS = frozenset({"arms", "a rms", "a_rms", "aeff"})
-COUNTS = ("counts", "count", "cnt", "cts", "inc", "incs", "increments", "qc", "pulses", "ticks")
+COUNTS = ("counts", "count", "cnt", "cts", "inc", "incs", "increments", "ink", "inkr", "inkremente", "qc", "pulses", "ticks")
+# What may be recorded as an angle or a speed of rotation behind the gear, which the lead makes a way of; the motor's own have columns for it.
+_BEHIND_GEAR: Mapping[str, str] = {"position_mm": "rad", "command_mm": "rad", "speed_mm_s": "rad_s"}
 # Nominal values that a share may be of, by the suffix of the column's name.
 NOMINAL: Mapping[str, str] = {
     "Nm": "nominal_torque",
@@ -181,10 +186,11 @@ def _registry(counts_per_turn: float) -> Any:
 
 @dataclass(frozen=True)
 class Units:
-    """Pint with what one machine defines: its encoder's counts per turn (0 where not known) and its nominal values in their SI unit, by name."""
+    """Pint with what one machine defines: its encoder's counts per turn, its travel per turn of the screw (0 where not known) and its nominal values in their SI unit, by name."""
 
     counts_per_turn: float = 0.0
     nominal: Mapping[str, float] = field(default_factory=dict)
+    lead_mm: float = 0.0
 
     @property
     def _registry(self) -> Any:
@@ -230,6 +236,15 @@ class Units:
         found = self._parsed(text)
         if found is None:
             raise InputError(f'{where}unit = "{text}": no unit that is known: use one of {EXAMPLES[suffix]}')
+        turning = _BEHIND_GEAR.get(name)
+        if turning is not None and self.fits(text, turning):
+            if not self.lead_mm:
+                raise InputError(
+                    f'{where}unit = "{text}": is the unit of {KINDS[turning]}: behind a gear it is {name} by the lead: write ratio and lead in [machine],'
+                    ' lead = "360 mm" where nothing moves along a line, which makes a millimetre of every degree; of the motor it is a column of its own'
+                )
+            per_turn = float(self._parsed(text).to(SUFFIXES[turning]).magnitude) / (2.0 * math.pi)
+            return np.asarray(values * (per_turn * self.lead_mm))
         if not self.fits(text, suffix):
             other = self.suffix(text)
             is_one = f"is the unit of {KINDS[other]}" if other else "is the unit of another thing"
