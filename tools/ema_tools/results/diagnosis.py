@@ -226,6 +226,8 @@ class DiagnosisByBalanceResult:
     faults: dict[str, EffectEntry] = field(default_factory=dict)
     standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
     healthy: HealthyEntry | None = field(default=None, metadata=SPARE)  # None without healthy records
+    # with healthy records effects that explain these about as well, beside values that have not changed; None where there are none
+    as_well: tuple[str, ...] | None = field(default=None, metadata=SPARE)
     changes: dict[str, ChangeEntry] = field(default_factory=dict)  # of the healthy machine's values, by full name
     error: ErrorsEntry
     error_unit: str

@@ -1,7 +1,8 @@
 """One new effect in place of several changes of a healthy machine.
 
 Base values that are free beside an effect take up most of what it does: a drag that grows with the square of the speed is more viscous friction and less dry friction, and what little is left is
-named nothing. Healthy records say how far a day moves each value. With the values inside of that, the effect that began has to explain the rest, and often does so alone.
+named nothing; or an effect is named beside which friction itself is gone. Healthy records say how far a day moves each value. With the values inside of that, the effect that began has to explain
+the rest, and often does so alone.
 """
 
 from __future__ import annotations
@@ -9,59 +10,77 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import row_of
 from ema_tools.data.motion_records import AnyRecord
-from ema_tools.select.balance_bench import LOAD, size_of_load
+from ema_tools.library.definitions import load_definitions
+from ema_tools.select.balance_bench import LOAD, load_effect
 from ema_tools.select.fixes import Fixes
 from ema_tools.select.force_balance import improve_by_forces
 from ema_tools.select.force_steps import ForceSteps
 from ema_tools.select.healthy_balance import HealthyByBalance
 from ema_tools.select.value_changes import Changes, changes_of
 
-_BETTER = 0.9  # of the error of as many causes of another kind, clearly less ... [judgement]
-_PLAINLY = 0.7  # ... where healthy records do not leave as much anyhow: there, what nobody takes for chance [judgement]
+_DAYS = 3.0  # scatters that a day takes a value off the healthy one [chance]
+_AS_WELL = 1.03  # times the error of more values, which the simpler answer may have [judgement]
+_CLEARLY = 0.7  # of the error of as many causes of another kind, which nobody takes for chance [judgement]
+_AS_MUCH = 1.1  # times the error, that another answer may have which the records hardly tell from it [judgement]
 
 
 @dataclass(frozen=True)
 class Causes:
-    """An answer: effects that began, and how values of the healthy machine changed beside them."""
+    """An answer: effects that began, and how values of the healthy machine changed beside them. `as_well`: effects that explain the records about as well beside values that have not changed."""
 
     forces: ForceSteps
     told: Changes
+    as_well: tuple[str, ...] = ()
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Those that began."""
+        return tuple(step.effect for step in self.forces.steps)
+
+    @property
+    def changed(self) -> frozenset[str]:
+        """Values that have changed, by name."""
+        return frozenset(one.name for one in self.told.values if one.counts)
 
     @property
     def count(self) -> int:
-        """Of effects and of values that changed."""
-        return len(self.forces.steps) + sum(one.counts for one in self.told.values)
+        """Of causes."""
+        return len(self.effects) + len(self.changed)
+
+    @property
+    def free(self) -> int:
+        """Of the values that the causes have."""
+        return len(self.changed) + sum(len(load_definitions().effect(effect).parameters) for effect in self.effects)
 
 
 def fewer_causes(
     machine: HealthyByBalance, found: Causes, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord], fixes: Fixes, report: Report
 ) -> Causes:
-    """`found`, or what explains the records as well with fewer causes, or clearly better with as many: effects beside base values that stay as near to the healthy ones as days move them."""
-    if not any(one.counts for one in found.told.values):
+    """`found`, or what explains the records as well with less: effects beside base values that stay as near to the healthy ones as days move them."""
+    if not found.count:
         return found
-    near = _as_days_move(machine, found.told, fixes)
-    forces = improve_by_forces(machine.actuator, records, holdout, report, near, machine.veto)
-    if not forces.steps:
-        return found
+    forces = improve_by_forces(machine.actuator, records, holdout, report, _as_days_move(machine, fixes), machine.veto)
     other = Causes(forces, changes_of(machine, forces.actuator, records, fixes, {step.effect for step in forces.steps}))
+    if not other.effects:
+        # an effect beside which values change that do not change without it takes their place, and is none
+        return other if found.effects and found.changed and not found.changed & other.changed else found
     before, after = found.forces.errors.training, forces.errors.training
-    fewer = other.count < found.count and after <= before
-    clearly = _BETTER if machine.beyond(0.01 * before * found.forces.drive_Nm) else _PLAINLY
-    clearer = other.count == found.count and after < clearly * before
-    return other if fewer or clearer else found
+    simpler = other.free < found.free and after <= _AS_WELL * before
+    if simpler or (other.count <= found.count and after < _CLEARLY * before):
+        return other
+    alike = other.count <= found.count and after <= _AS_MUCH * before and set(other.effects) != set(found.effects)
+    return replace(found, as_well=other.effects) if alike else found
 
 
-def _as_days_move(machine: HealthyByBalance, told: Changes, fixes: Fixes) -> Fixes:
-    """Base values between the ends of what is no change."""
-    base = {size_of_load(): LOAD}
+def _as_days_move(machine: HealthyByBalance, fixes: Fixes) -> Fixes:
+    """Base values between the ends of what healthy records do of themselves. A constant torque stays free, since it is an effect as well, unless the machine carries one anyhow."""
     between = {}
-    for one in told.values:
-        name = base.get(one.name, one.name)
-        if name in MECHANICAL_PARAMETERS and name not in fixes.as_stated:
+    for name, scatter in machine.scatter.items():
+        if name not in fixes.as_stated and (name != LOAD or load_effect() in machine.actuator.active_effects):
             row, value = row_of(name), machine.actuator[name]
-            between[name] = (max(value - one.limit, row.lower), min(value + one.limit, row.upper))
+            reach = _DAYS * scatter
+            between[name] = (max(value - reach, row.lower), min(value + reach, row.upper))
     return replace(fixes, between={**between, **fixes.between})

@@ -23,6 +23,7 @@ from ema_tools.data.motion_records import AnyRecord
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.select.balance_bench import LOAD, Bench, load_effect, size_of_load, solved
+from ema_tools.select.balance_setting import LEVEL
 from ema_tools.select.fixes import Fixes
 from ema_tools.select.force_judge import WORSE_OF_GAIN, WORSE_THIRD, is_load
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
@@ -34,6 +35,7 @@ _LEAST_CHANGE = 0.03  # of a value, that few records may differ by on other days
 _OF_A_LOAD = 0.01  # scatter of what a machine carries, relative: a weight and a spring are the same on every day [judgement]
 _AS_THE_DRIVE = 0.3  # of a load's change: so near to that of the drive as a whole, it may be that [judgement]
 _MORE = 0.5  # of a load: by how much it is changed to see what it does, in which all is linear [precision]
+_STAYS = 0.125  # of what the healthy machine leaves beyond its own, in squares, that values which changed may not explain [judgement]
 _CLEARER = 0.95  # of the error of any single value must the drive as a whole leave, to be what has changed [judgement]
 
 
@@ -196,6 +198,12 @@ def _chosen(today: _Today) -> list[_Column]:
         chosen.append(best)
 
 
+def _explained(today: _Today, chosen: Sequence[_Column]) -> bool:
+    """Whether with these changed hardly more is left than the healthy machine leaves: values that explain the lesser part stand in for something else."""
+    floor = today.machine.error_Nm**2
+    return today.error(chosen) ** 2 - floor <= _STAYS * (today.error([]) ** 2 - floor)
+
+
 def _held_out_too(now: Sequence[float], before: Sequence[float]) -> bool:
     """Whether the parts held out have less error with a change, and none clearly more; one that rests throughout says nothing."""
     pairs = [(one, other) for one, other in zip(now, before, strict=True) if math.isfinite(one) and math.isfinite(other)]
@@ -222,6 +230,7 @@ def changes_of(
     if here is None:
         return Changes(tuple(others))
     chosen = _chosen(here)
+    chosen = chosen if _explained(here, chosen) else []
     nearest = min(here.columns, key=lambda one: here.error([one])).name if not chosen else ""
     slight = [one for one in chosen if not _matters(here, chosen, one)]
     return Changes((*_of_base(here, chosen, nearest), *others), here.error(slight), here.doubt_Nm, nearest)
@@ -295,7 +304,8 @@ def _as_today(
     machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], fixes: Fixes, missing: Collection[str]
 ) -> tuple[Actuator, ForceRefit, list[str]]:
     """Today's model with the constant torque where the healthy machine has it, its free fit, and the values that are fitted on both sides."""
-    apart = [record_of(name).base_value for name in missing]
+    # what a table of places says has a mean, which is friction
+    apart = {record_of(name).base_value for name in missing} | {LEVEL for name in missing if record_of(name).along is not None}
     if load_effect() in machine.actuator.active_effects:
         today = today.changed({LOAD: machine.actuator[LOAD]})
     free = refit_by_forces(today, records, fixes)

@@ -23,7 +23,7 @@ from ema_tools.fit.laps import laps_of
 from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.results.localisation import Pictures
-from ema_tools.select.balance_bench import Bench, Fitted, FoldErrors, compared_percent, given_errors
+from ema_tools.select.balance_bench import LOAD, Bench, Fitted, FoldErrors, compared_percent, given_errors, load_effect
 from ema_tools.select.base_values import BaseValue
 from ema_tools.select.fewest_causes import Causes, fewer_causes
 from ema_tools.select.fixes import NONE, Fixes
@@ -57,7 +57,8 @@ class BalanceAnswer:
 
     `compared`: what `ema compare` reads of all rows of the records, before and after.
     `pictures`: of records without a controller. With `healthy` records `known` is the machine that these show, `changes` are of its values, and `left_Nm` is what it leaves of today's
-    records as it is, with the standard deviation of that; `nearest` is the base value that would explain most of it. `base`: base values as fitted, those of the healthy machine where there is
+    records as it is, with the standard deviation of that; `nearest` is the base value that would explain most of it.
+    `as_well`: effects that explain the records about as well as what is told. `base`: base values as fitted, those of the healthy machine where there is
     one, beside what the actuator as given states.
     """
 
@@ -76,6 +77,7 @@ class BalanceAnswer:
     doubt_Nm: float = 0.0
     base: tuple[BaseValue, ...] = ()
     nearest: str = ""
+    as_well: tuple[str, ...] = ()
 
     @property
     def record(self) -> AnyRecord:
@@ -290,7 +292,8 @@ def _with_own_sizes(
     that is left without, and nothing was named."""
     if not start.active_effects or not (forces.steps or machine.beyond(0.01 * forces.refitted.training * forces.drive_Nm)):
         return None
-    free = refit_by_forces(start, records, fixes)
+    # a load that began is none of these
+    free = refit_by_forces(start, records, fixes if load_effect() in start.active_effects else fixes.without(LOAD))
     sized = start.changed({name: value for name, value in free.values.items() if name not in MECHANICAL_PARAMETERS})
     return sized, not machine.beyond(0.01 * free.errors.training * forces.drive_Nm)
 
@@ -355,4 +358,5 @@ def answer_against(
         told.doubt_Nm,
         (*machine.steps.base, *play_value(known, plays)),
         told.nearest,
+        found.as_well,
     )

@@ -18,6 +18,8 @@ def right(row: Mapping[str, Any]) -> bool:
     accepted, changed = row.get("accepted", []), row.get("changed", {})
     if "refused" in row:
         return False
+    if row["since"] in row["as_well"]:
+        return True
     if row["since"] == NOTHING:
         return row["verdict"] == "adequate" and not accepted and not changed
     if row["since"] in CHANGES:
@@ -29,6 +31,8 @@ def wrong(row: Mapping[str, Any]) -> bool:
     """Whether the answer says something that has not happened. A constant load that stands as a changed load, or a change that is told beside a right one, is one as well."""
     accepted, changed = row.get("accepted", []), row.get("changed", {})
     told = CHANGES[row["since"]][0] if row["since"] in CHANGES else ""
+    if row["since"] in row.get("as_well", []):
+        return False
     return (
         any(row["since"] not in alike for alike in row.get("classes", []))
         or any(name != told for name in changed)
@@ -48,7 +52,8 @@ def _answer(row: Mapping[str, Any]) -> str:
     if "refused" in row:
         return str(row["refused"])
     changed = [f"{name} {percent:+.0f} %" if percent is not None else name for name, percent in row["changed"].items()]
-    return ", ".join([*row["accepted"], *changed]) or row["verdict"]
+    alike = [f"as well {name}" for name in row["as_well"]]
+    return ", ".join([*row["accepted"], *changed, *alike]) or row["verdict"]
 
 
 def written(rows: Rows, call: str) -> str:

@@ -92,6 +92,7 @@ def perform(trial: DayTrial) -> dict[str, Any]:
         "verdict": result["verdict"],
         "accepted": [one["name"] for one in accepted if one["name"] not in ALWAYS],
         "classes": [one["class"] for one in accepted if one["name"] not in ALWAYS],
+        "as_well": result.get("as_well") or [],
         "changed": {name: one["change_percent"] for name, one in result["changes"].items() if one["counts"]},
         "error": [result["error"]["before"], result["error"]["after"]],
     }

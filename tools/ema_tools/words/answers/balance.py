@@ -61,6 +61,7 @@ def diagnosis_by_balance(
         faults={fault: entry for fault, name in FAULTS.items() for entry in _fault(found, name, fault)},
         standing=_standing(found),
         healthy=None if found.healthy is None else _healthy(found, found.healthy),
+        as_well=found.as_well or None,
         changes={shown(row_of(one.name)): _change(found, one) for one in found.changes},
         error=ErrorsEntry(way.given.training, last.training, found.floor_percent, way.given.holdout, last.holdout),
         error_unit=FORCE_UNIT,

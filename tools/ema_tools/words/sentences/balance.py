@@ -129,6 +129,9 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     verb = "are" if len(found.accepted) > 1 else "is"
     told = [f"{_leads(found)}missing {verb} {_named(found)}{_stays(found)}"] if found.accepted else []
     told += [_changed(found, one) for one in found.changed]
+    if found.as_well:
+        names = " and ".join(coded(called(name)) for name in found.as_well)
+        told.append(f"these records hardly tell it from {names} beside values that have not changed: other motion would, slow and fast")
     if not told:
         told.append(_nothing_told(found, machine))
     elif not found.accepted and after.training > _MORE * found.healthy_percent:
