@@ -34,8 +34,8 @@ _REACH = 1.0  # periods of the cutoff over which the filter carries a step [prec
 _LOW_HZ = 25.0  # a cutoff up to which starts and stops of usual drives last less than the filter [judgement]
 _QUIET = 0.03  # of the largest speed, that the rows' own noise may be where they tell a rest [judgement]
 NOISE_SHARE = 0.02  # largest noise of the inertia torque over the drive torque, by which the filter is chosen [judgement]
-_STARTS = 24  # places in a turn at which a record may begin that are tried, before the best is refined [effort]
-_TURNS_MAX = 10.0  # of the motor in one turn of the screw, that are tried [effort]
+_STARTS = 24  # places in one wave at which a record may begin that are tried, before the best is refined [effort]
+_WAVES_MAX = 10.0  # of the fastest wave in one of the slowest, that are tried [effort]
 _START_RAD = 0.01  # to which the best of them is refined [precision]
 CUTOFF_MIN_HZ = 12.5  # the lowest filter, three octaves below the highest: a lower one takes the motion itself away [judgement]
 
@@ -233,27 +233,33 @@ def mechanical(actuator: Actuator, record: AnyRecord, smoother: Smoother | None 
 
 def best_placed(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None) -> AnyRecord:
     """A record that tells how the machine moves and not where it is, begun where the model's waves fit it best; any other as it is. Raises MissingSignal."""
-    waves = any(record_of(name).periodic is not None for name in actuator.active_effects)
+    waves = [_periods(actuator, name) for name in actuator.active_effects if record_of(name).periodic is not None]
     if not (waves and isinstance(record, MotionRecord) and motor_angle(record, train_of(actuator)).origin == "integrated"):
         return record
     from scipy.optimize import minimize_scalar
 
     use = smoother or quiet_smoother(actuator, record)
-    turns = min(max(actuator.values["gearbox.ratio"], 1.0), _TURNS_MAX)
+    moves = motion_of(actuator, replace(record, start_rad=0.0), use)
 
     def square(start_rad: float) -> float:
-        return float(np.sum(_mechanical(actuator, replace(record, start_rad=start_rad), use).residual ** 2))
+        there = replace(record, start_rad=start_rad)
+        return float(np.sum(_mechanical(actuator, there, use, moves.begun_at(actuator, start_rad)).residual ** 2))
 
-    step = 2.0 * math.pi / _STARTS
-    starts = [step * place for place in range(math.ceil(_STARTS * turns))]
+    step = 2.0 * math.pi / (_STARTS * max(waves))
+    starts = [step * place for place in range(math.ceil(_STARTS * min(max(waves) / min(waves), _WAVES_MAX)))]
     best = min(starts, key=square)
     found = minimize_scalar(square, bounds=(best - step, best + step), method="bounded", options={"xatol": _START_RAD})
     return replace(record, start_rad=float(found.x) if found.fun < square(best) else best)
 
 
-def _mechanical(actuator: Actuator, record: AnyRecord, smoother: Smoother | None) -> Balance:
+def _periods(actuator: Actuator, effect: str) -> float:
+    """Of a wave per turn of the motor; of one that the list gives no number, once per turn of the screw."""
+    return actuator.values.get(f"{effect}.periods", 1.0 / max(actuator.values["gearbox.ratio"], 1.0))
+
+
+def _mechanical(actuator: Actuator, record: AnyRecord, smoother: Smoother | None, motion: Motion | None = None) -> Balance:
     """The balance of a record as it is."""
-    model = mechanical_model(actuator, record, smoother)
+    model = mechanical_model(actuator, record, smoother, motion)
     values = adjusted(actuator)
     static = values["screw.csj_Nm"]
     parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))

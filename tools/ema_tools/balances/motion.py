@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,10 @@ class Motion:
     angle_rad: Reals
     motor_mm: Reals
     placed: bool = True
+
+    def begun_at(self, actuator: Actuator, start_rad: float) -> Motion:
+        """The same motion, farther along by an angle of the motor."""
+        return replace(self, angle_rad=self.angle_rad + start_rad, motor_mm=self.motor_mm + _scale_mm_per_rad(actuator) * start_rad)
 
 
 def at_points(

@@ -16,6 +16,7 @@ from ema_tools.select.balance_bench import LOAD
 from ema_tools.select.force_judge import is_load
 from ema_tools.select.force_steps import ForceStep
 from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
+from ema_tools.select.play_changes import PLAY
 from ema_tools.select.value_changes import Change
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
@@ -29,6 +30,9 @@ PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"
 _TOLD = 0.1  # a smaller share of the excess that stays is not told in the first sentence [layout]
 _MORE = 1.75  # times what the healthy records leave, which is told where a change was found: there may be another [judgement]
 MOSTLY = 0.5  # a larger share is what the sentence begins with: the names that follow are the lesser part of the answer [judgement]
+_PLAY_UNSEEN = (
+    "A play (BLK) is not seen in these records: it needs the rod's position beside the motor's position or speed, in a motion that turns."
+)
 _FLOORS: dict[FloorFrom | None, str] = {
     "laps": "the laps repeat to {:.2f} %",
     "healthy records": "the healthy records leave {:.2f} %",
@@ -139,7 +143,8 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
             f"{percent(after.training)} stays, more than the healthy records leave: what the model lacks has grown with it, or something else has changed, which these records do not tell"
         )
     doubt = "" if machine.sure else f" How much healthy records differ is uncertain with {count}: give {SURE_RECORDS} or more."
-    return f"{found.names} {against}: {'; '.join(told)} ({errors}).{doubt}"
+    unseen = "" if any(one.name == PLAY for one in found.changes) else f" {_PLAY_UNSEEN}"
+    return f"{found.names} {against}: {'; '.join(told)} ({errors}).{unseen}{doubt}"
 
 
 def _nothing_told(found: BalanceAnswer, machine: HealthyByBalance) -> str:
