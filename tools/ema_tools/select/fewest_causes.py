@@ -10,14 +10,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from ema_tools.balances.effects import adjusted
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS
 from ema_tools.base.progress import Report
 from ema_tools.data.actuator import row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.library.definitions import load_definitions
-from ema_tools.select.balance_bench import LOAD, load_effect
+from ema_tools.library.display_names import value_coded
+from ema_tools.library.registry import called
+from ema_tools.select.balance_bench import LOAD, Fitted, load_effect
 from ema_tools.select.fixes import Fixes
-from ema_tools.select.force_balance import improve_by_forces
-from ema_tools.select.force_steps import ForceSteps
+from ema_tools.select.force_balance import ForceSearch, improve_by_forces
+from ema_tools.select.force_steps import ForceSteps, Tried
 from ema_tools.select.healthy_balance import HealthyByBalance
 from ema_tools.select.value_changes import Changes, changes_of
 
@@ -29,7 +33,10 @@ _AS_MUCH = 1.1  # times the error, that another answer may have which the record
 
 @dataclass(frozen=True)
 class Causes:
-    """An answer: effects that began, and how values of the healthy machine changed beside them. `as_well`: effects that explain the records about as well beside values that have not changed."""
+    """An answer: effects that began, and how values of the healthy machine changed beside them.
+
+    `as_well`: effects, and what looks like them, that explain the records about as well beside values that have not changed.
+    """
 
     forces: ForceSteps
     told: Changes
@@ -62,7 +69,11 @@ def fewer_causes(
     """`found`, or what explains the records as well with less: effects beside base values that stay as near to the healthy ones as days move them."""
     if not found.count:
         return found
-    forces = improve_by_forces(machine.actuator, records, holdout, report, _as_days_move(machine, fixes), machine.veto)
+
+    def veto(search: ForceSearch, accepted: Fitted, tried: Tried) -> str:
+        return _of_base(machine, tried) or machine.veto(search, accepted, tried)
+
+    forces = improve_by_forces(machine.actuator, records, holdout, report, _as_days_move(machine, fixes), veto)
     other = Causes(forces, changes_of(machine, forces.actuator, records, fixes, {step.effect for step in forces.steps}))
     if not other.effects:
         # an effect beside which values change that do not change without it takes their place, and is none
@@ -71,8 +82,19 @@ def fewer_causes(
     simpler = other.free < found.free and after <= _AS_WELL * before
     if simpler or (other.count <= found.count and after < _CLEARLY * before):
         return other
-    alike = other.count <= found.count and after <= _AS_MUCH * before and set(other.effects) != set(found.effects)
-    return replace(found, as_well=other.effects) if alike else found
+    if other.count > found.count or after > _AS_MUCH * before or set(other.effects) & set(found.effects):
+        return found
+    names = [name for step in forces.steps for name in (called(step.effect), *map(called, step.alike))]
+    return replace(found, as_well=tuple(dict.fromkeys(names)))
+
+
+def _of_base(machine: HealthyByBalance, tried: Tried) -> str:
+    """Why an effect is no cause of its own: it does what another base value does, and nothing else. A constant torque is one, since it may begin."""
+    size = load_definitions().effect(tried.effect).size.name
+    before, after = (adjusted(one) for one in (machine.actuator, machine.actuator.changed({size: tried.fit.values[size]})))
+    moved = [name for name, value in after.items() if value != before[name] and name != size]
+    other = moved and all(name in MECHANICAL_PARAMETERS and name != LOAD for name in moved)
+    return f"it is {value_coded(moved[0])}, a value that has changed or has not" if other else ""
 
 
 def _as_days_move(machine: HealthyByBalance, fixes: Fixes) -> Fixes:

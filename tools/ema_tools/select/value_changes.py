@@ -89,7 +89,8 @@ class _Today:
         self.machine = machine
         healthy = machine.actuator
         # a constant torque that is not sought is as it is today, since a force along the stroke begins somewhere
-        values = {name: healthy[name] for name in machine.refit.values}
+        # friction whose mean is that of a table of places is as it is today, too
+        values = {name: healthy[name] for name in machine.refit.values if name != LEVEL or LEVEL in names}
         constant = {CONSTANT: healthy[CONSTANT]} if healthy.has(CONSTANT) else {}
         held = today.changed({**values, **constant, LOAD: healthy[LOAD] if LOAD in names else load_Nm, **effects})
         self.bench = Bench(held, records, (), fixes, whole=True)
@@ -201,6 +202,8 @@ def _chosen(today: _Today) -> list[_Column]:
 def _explained(today: _Today, chosen: Sequence[_Column]) -> bool:
     """Whether with these changed hardly more is left than the healthy machine leaves: values that explain the lesser part stand in for something else."""
     floor = today.machine.error_Nm**2
+    if not today.machine.beyond(today.error(chosen), today.doubt_Nm):
+        return True
     return today.error(chosen) ** 2 - floor <= _STAYS * (today.error([]) ** 2 - floor)
 
 

@@ -134,7 +134,7 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     told = [f"{_leads(found)}missing {verb} {_named(found)}{_stays(found)}"] if found.accepted else []
     told += [_changed(found, one) for one in found.changed]
     if found.as_well:
-        names = " and ".join(coded(called(name)) for name in found.as_well)
+        names = " or ".join(map(coded, found.as_well))
         told.append(f"these records hardly tell it from {names} beside values that have not changed: other motion would, slow and fast")
     if not told:
         told.append(_nothing_told(found, machine))
