@@ -11,7 +11,7 @@ from ema_tools.benchmarks.machines.plants import EFFECTS, Machine, records_of_da
 from ema_tools.benchmarks.since_healthy.document import right, written, wrong
 from ema_tools.benchmarks.since_healthy.trials import CHANGES, HEALTHY_DAYS, NOTHING, TODAY, DayTrial, perform, plan
 
-CSJ, VISCOUS = "screw.csj_Nm", "screw.viscous_Nm_s_per_rad"
+CSJ, VISCOUS, SHARE = "screw.csj_Nm", "screw.viscous_Nm_s_per_rad", "screw.dynamic_ratio"
 
 
 def _row(since: str, verdict: str = "adequate", accepted: str = "", changed: tuple[str, ...] = (), as_well: str = "") -> dict[str, Any]:
@@ -70,6 +70,8 @@ def test_a_day_changes_what_it_says_and_no_more() -> None:
         (DayTrial("linear motor", 0, "sweeps", "elastic_backlash", "large"), "unknown", [], []),
         # drag by the square of the speed, or by the speed: this motion hardly says
         (DayTrial("ball screw", 0, "pick and place", "quadratic_viscous", "large"), "adequate", [VISCOUS], ["quadratic_viscous"]),
+        # a bump that is over before the machine slides well shows where it breaks away
+        (DayTrial("belt", 0, "start and stop", "stribeck_friction", "medium"), "adequate", [SHARE], ["stribeck_friction"]),
     ],
 )
 def test_what_is_not_told_is_said(trial: DayTrial, verdict: str, changed: list[str], as_well: list[str]) -> None:

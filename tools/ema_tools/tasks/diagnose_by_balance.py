@@ -34,6 +34,7 @@ from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
 from ema_tools.select.play_changes import play_changes, play_value, plays_seen
+from ema_tools.select.standstill_changes import looks_like, standstill_changes
 from ema_tools.select.value_changes import CONSTANT, Change, changed_alone, changes_of
 from ema_tools.select.winding_changes import winding_changes
 
@@ -339,7 +340,10 @@ def answer_against(
     report(1.0, "done")
     forces, told = found.forces, found.told
     plays = plays_seen(known, machine.records)
-    changes = (*told.values, *play_changes(machine, plays, records), *winding_changes(machine, records))
+    # what is no change is as it was: a value that was fitted may have taken up something else
+    as_told = {one.name: one.today if one.counts else one.healthy for one in told.values}
+    rests = standstill_changes(machine, forces.actuator.changed(as_told), records)
+    changes = (*told.values, *play_changes(machine, plays, records), *rests, *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
     return BalanceAnswer(
@@ -358,5 +362,5 @@ def answer_against(
         told.doubt_Nm,
         (*machine.steps.base, *play_value(known, plays)),
         told.nearest,
-        found.as_well,
+        tuple(dict.fromkeys([*found.as_well, *looks_like(rests, found.effects)])),
     )

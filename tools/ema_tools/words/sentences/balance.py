@@ -17,6 +17,7 @@ from ema_tools.select.force_judge import is_load
 from ema_tools.select.force_steps import ForceStep
 from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
 from ema_tools.select.play_changes import PLAY
+from ema_tools.select.standstill_changes import SHARE
 from ema_tools.select.value_changes import Change
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.sentences.addition import percent
@@ -135,7 +136,7 @@ def _against_healthy(found: BalanceAnswer, machine: HealthyByBalance) -> str:
     told += [_changed(found, one) for one in found.changed]
     if found.as_well:
         names = " or ".join(map(coded, found.as_well))
-        told.append(f"these records hardly tell it from {names} beside values that have not changed: other motion would, slow and fast")
+        told.append(f"these records hardly tell it from {names} beside values that have not changed: slow motion beside fast would")
     if not told:
         told.append(_nothing_told(found, machine))
     elif not found.accepted and after.training > _MORE * found.healthy_percent:
@@ -201,6 +202,8 @@ def _changed(found: BalanceAnswer, one: Change) -> str:
     text = f"{_title(found, one.name)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
     if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
         text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer"
+    if one.name == SHARE and 0.0 < one.today < one.healthy:
+        text += f", as by friction at standstill that is {100.0 * (one.healthy / one.today - 1.0):.0f} % higher above sliding friction"
     return text
 
 
