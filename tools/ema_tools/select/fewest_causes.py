@@ -27,6 +27,7 @@ from ema_tools.select.value_changes import Changes, changes_of
 
 _DAYS = 3.0  # scatters that a day takes a value off the healthy one [chance]
 _AS_WELL = 1.03  # times the error of more values, which the simpler answer may have [judgement]
+_BETTER = 0.9  # of the error of another effect with as many values, clearly less [judgement]
 _CLEARLY = 0.7  # of the error of as many causes of another kind, which nobody takes for chance [judgement]
 _AS_MUCH = 1.1  # times the error, that another answer may have which the records hardly tell from it [judgement]
 
@@ -73,18 +74,24 @@ def fewer_causes(
     def veto(search: ForceSearch, accepted: Fitted, tried: Tried) -> str:
         return _of_base(machine, tried) or machine.veto(search, accepted, tried)
 
-    forces = improve_by_forces(machine.actuator, records, holdout, report, _as_days_move(machine, fixes), veto)
+    near = _as_days_move(machine, fixes)
+    # a constant torque is asked first and leaves the others what it does not do: here it is left out
+    near = near.without(LOAD) if load_effect() in found.effects and LOAD not in near.between else near
+    forces = improve_by_forces(machine.actuator, records, holdout, report, near, veto)
     other = Causes(forces, changes_of(machine, forces.actuator, records, fixes, {step.effect for step in forces.steps}))
     if not other.effects:
         # an effect beside which values change that do not change without it takes their place, and is none
         return other if found.effects and found.changed and not found.changed & other.changed else found
     before, after = found.forces.errors.training, forces.errors.training
     simpler = other.free < found.free and after <= _AS_WELL * before
-    if simpler or (other.count <= found.count and after < _CLEARLY * before):
+    # of two effects the better one, though less was free beside it
+    better = not found.changed and other.free <= found.free and after < _BETTER * before
+    if simpler or better or (other.count <= found.count and after < _CLEARLY * before):
         return other
     if other.count > found.count or after > _AS_MUCH * before or set(other.effects) & set(found.effects):
         return found
-    names = [name for step in forces.steps for name in (called(step.effect), *map(called, step.alike))]
+    told = {name for step in found.forces.steps for name in step.alike}
+    names = [called(name) for step in forces.steps for name in (step.effect, *step.alike) if name not in told]
     return replace(found, as_well=tuple(dict.fromkeys(names)))
 
 
