@@ -19,6 +19,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.display_names import value_coded
 from ema_tools.library.registry import called
 from ema_tools.select.balance_bench import LOAD, Fitted, load_effect
+from ema_tools.select.balance_setting import LEVEL
 from ema_tools.select.fixes import Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
 from ema_tools.select.force_steps import ForceSteps, Tried
@@ -26,6 +27,7 @@ from ema_tools.select.healthy_balance import HealthyByBalance
 from ema_tools.select.value_changes import Changes, changes_of
 
 _DAYS = 3.0  # scatters that a day takes a value off the healthy one [chance]
+_GONE = 0.5  # of the dry friction: what leaves no more of it stands in for it [judgement]
 _AS_WELL = 1.03  # times the error of more values, which the simpler answer may have [judgement]
 _BETTER = 0.9  # of the error of another effect with as many values, clearly less [judgement]
 _CLEARLY = 0.7  # of the error of as many causes of another kind, which nobody takes for chance [judgement]
@@ -79,6 +81,8 @@ def fewer_causes(
     near = near.without(LOAD) if load_effect() in found.effects and LOAD not in near.between else near
     forces = improve_by_forces(machine.actuator, records, holdout, report, near, veto)
     other = Causes(forces, changes_of(machine, forces.actuator, records, fixes, {step.effect for step in forces.steps}))
+    if found.effects and any(one.counts and one.name == LEVEL and one.today < _GONE * one.healthy for one in found.told.values):
+        return other
     if not other.effects:
         # an effect beside which values change that do not change without it takes their place, and is none
         return other if found.effects and found.changed and not found.changed & other.changed else found

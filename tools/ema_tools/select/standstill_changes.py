@@ -12,7 +12,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from ema_tools.balances.effects import adjusted
-from ema_tools.balances.mechanical import mechanical_model
+from ema_tools.balances.mechanical import best_placed, mechanical_model
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord
@@ -26,11 +26,16 @@ _LEAST_TIMES = 3.0  # such standard deviations are a change [chance]
 _STARTS = 3  # from rest, that a record must hold for its level to be told [chance]
 
 
-def standstill_changes(machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord]) -> tuple[Change, ...]:
-    """Sliding friction as a share of what holds the machine at rest, where enough records on both sides tell it; nothing where they do not, or where a contact that yields never rests.
+def standstill_changes(
+    machine: HealthyByBalance, today: Actuator, records: Sequence[AnyRecord], missing: Collection[str]
+) -> tuple[Change, ...]:
+    """Sliding friction as a share of what holds the machine at rest, where enough records on both sides tell it; nothing where they do not, where a contact that yields never rests, and where
+    friction that falls with the speed is `missing`, which goes on to rest.
 
-    `today`: the model with what was found in today's records, its friction among it. Raises MissingSignal.
+    `today`: the model with what was found in today's records, its friction among it. A level that falls is no change: whatever moves the machine early looks like it. Raises MissingSignal.
     """
+    if set(_falling()) & set(missing):
+        return ()
     before = [level for record in machine.records if (level := _breaks_away(machine.actuator, record)) is not None]
     after = [level for record in records if (level := _breaks_away(today, record)) is not None]
     share = machine.actuator[SHARE]
@@ -43,19 +48,22 @@ def standstill_changes(machine: HealthyByBalance, today: Actuator, records: Sequ
     std = max(shown, least) * math.sqrt(1.0 / len(before) + 1.0 / len(after))
     # where the drive does not show what holds the healthy machine, the change is still one of the level
     found = share * healthy / now
-    return (Change(SHARE, share, found, found * std / now, found * limit / now, abs(now - healthy) > limit),)
+    return (Change(SHARE, share, found, found * std / now, found * limit / now, now - healthy > limit),)
 
 
-def looks_like(changes: Sequence[Change], missing: Collection[str]) -> tuple[str, ...]:
-    """Effects that a level which has risen looks like: friction that falls with the speed, over before the machine slides well; none where such a one is `missing` anyhow."""
-    falling = [name for name in named() if (local := record_of(name).local) is not None and local.falls]
-    rises = any(one.counts and one.today < one.healthy for one in changes)
-    return tuple(name for name in falling if not record_of(name).special_case) if rises and not set(falling) & set(missing) else ()
+def looks_like(changes: Sequence[Change]) -> tuple[str, ...]:
+    """Effects that a level which has risen looks like: friction that falls with the speed, over before the machine slides well."""
+    return tuple(name for name in _falling() if not record_of(name).special_case) if any(one.counts for one in changes) else ()
+
+
+def _falling() -> list[str]:
+    """Effects of friction that falls with the speed."""
+    return [name for name in named() if (local := record_of(name).local) is not None and local.falls]
 
 
 def _breaks_away(actuator: Actuator, record: AnyRecord) -> float | None:
     """The torque at which a record leaves its rests, in the middle of them, as a share of what the model holds at most; None of too few rests."""
-    model, values = mechanical_model(actuator, record), adjusted(actuator)
+    model, values = mechanical_model(actuator, best_placed(actuator, record)), adjusted(actuator)
     parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))
     net = model.drive_Nm - model.load_Nm - model.columns @ parameters
     backward, forward = model.static_extra_Nm

@@ -342,7 +342,7 @@ def answer_against(
     plays = plays_seen(known, machine.records)
     # what is no change is as it was: a value that was fitted may have taken up something else
     as_told = {one.name: one.today if one.counts else one.healthy for one in told.values}
-    rests = standstill_changes(machine, forces.actuator.changed(as_told), records)
+    rests = standstill_changes(machine, forces.actuator.changed(as_told), records, found.effects)
     changes = (*told.values, *play_changes(machine, plays, records), *rests, *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
@@ -362,5 +362,5 @@ def answer_against(
         told.doubt_Nm,
         (*machine.steps.base, *play_value(known, plays)),
         told.nearest,
-        tuple(dict.fromkeys([*found.as_well, *looks_like(rests, found.effects)])),
+        tuple(dict.fromkeys([*found.as_well, *looks_like(rests)])),
     )

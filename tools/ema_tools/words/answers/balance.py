@@ -31,7 +31,7 @@ from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import FIRST, FORCE_UNIT, REFITTED, field_of, forward, loads
 from ema_tools.words.answers.validity import validity
-from ema_tools.words.sentences.balance import next_step, sentence, swing_called
+from ema_tools.words.sentences.balance import TELLING, next_step, sentence, swing_called
 from ema_tools.words.sentences.base_values import contradiction
 from ema_tools.words.sentences.machine_units import units_of
 
@@ -133,7 +133,7 @@ def _with_contradiction(found: BalanceAnswer) -> RecordValidity:
 
 def _change(found: BalanceAnswer, one: Change) -> result.ChangeEntry:
     change = one.today - one.healthy
-    percent = 100.0 * change / one.healthy if one.healthy else None
+    percent = 100.0 * change / one.healthy if abs(change) <= TELLING * abs(one.healthy) else None
     called = swing_called(one.name, found.known, units_of(found.known, found.records)) or None
     return result.ChangeEntry(
         one.healthy, one.today, percent, interval95(change, one.std), one.limit, one.counts, row_of(one.name).unit, called

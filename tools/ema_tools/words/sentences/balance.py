@@ -31,6 +31,7 @@ PARTS: dict[By, str] = {"lap": "laps", "block": "stretches", "record": "records"
 _TOLD = 0.1  # a smaller share of the excess that stays is not told in the first sentence [layout]
 _MORE = 1.75  # times what the healthy records leave, which is told where a change was found: there may be another [judgement]
 MOSTLY = 0.5  # a larger share is what the sentence begins with: the names that follow are the lesser part of the answer [judgement]
+TELLING = 10.0  # times what was next to nothing: no share of it says anything [layout]
 _PLAY_UNSEEN = (
     "A play (BLK) is not seen in these records: it needs the rod's position beside the motor's position or speed, in a motion that turns."
 )
@@ -198,7 +199,8 @@ def _changed(found: BalanceAnswer, one: Change) -> str:
     row, units = row_of(one.name), units_of(found.known, found.records)
     (healthy, unit), (today, _) = units.told(one.healthy, row.unit), units.told(one.today, row.unit)
     percent_off = 100.0 * (today - healthy) / abs(healthy) if healthy else 0.0
-    share = f" ({'+' if percent_off > 0.0 else ''}{significant(percent_off, 2)} %)" if healthy else ""
+    telling = 0.0 < abs(today - healthy) <= TELLING * abs(healthy)
+    share = f" ({'+' if percent_off > 0.0 else ''}{significant(percent_off, 2)} %)" if telling else ""
     text = f"{_title(found, one.name)} has changed from {healthy:.4g} to {today:.4g} {unit}".rstrip() + share
     if one.name == "motor.resistance_ohm" and one.today > one.healthy > 0.0:
         text += f", as by a winding {(one.today / one.healthy - 1.0) / COPPER_PER_DEGC:.0f} K warmer"
