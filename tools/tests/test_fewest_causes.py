@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -11,8 +13,9 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import MotionRecord, read_motion_record
-from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
-from test_value_changes import CONSTANT, DRY, INERTIA, NOISE_A, PERIOD_S, VISCOUS, sheet, speed  # noqa: F401 - a fixture
+from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_against, answer_by_balance, gates_of
+from test_value_changes import CONSTANT, DRY, INERTIA, NOISE_A, PERIOD_S, VISCOUS, sheet, speed, stated  # noqa: F401 - a fixture
 
 _FAST_RAD_S = 80.0
 # Friction and drag of one machine on two days, standard deviation relative.
@@ -36,9 +39,16 @@ def _record(folder: Path, seed: int, *, dry: float = 1.0, drag: float = 1.0, ben
     return read_motion_record(path)
 
 
+@cache
+def _healthy() -> HealthyByBalance:
+    """The machine by four healthy records, once for all tests."""
+    with TemporaryDirectory() as name:
+        return healthy_machine(stated(Path(name)), [_record(Path(name), seed) for seed in range(4)])
+
+
 def _answered(known: Actuator, folder: Path, **today: float) -> BalanceAnswer:
     records = [_record(folder, seed, **today) for seed in (50, 51)]
-    return answer_by_balance(known, records, healthy=[_record(folder, seed) for seed in range(4)])
+    return answer_against(_healthy(), records, (), gates_of(known, records))
 
 
 @pytest.mark.parametrize(("today", "effect"), [({"bends": 0.5}, "quadratic_viscous"), ({"bearing": 0.25}, "load_dependent_friction")])

@@ -17,8 +17,9 @@ from ema_tools.data.voltage_drive import with_current
 from ema_tools.select.drive_lag import drive_lag_s
 from ema_tools.select.force_balance import ONE_MOTION, improve_by_forces
 from ema_tools.select.force_refit import add_by_forces, refit_by_forces
+from ema_tools.select.healthy_balance import healthy_machine
 from ema_tools.select.torque_patterns import NOT_SHARED
-from ema_tools.tasks.diagnose_by_balance import answer_by_balance
+from ema_tools.tasks.diagnose_by_balance import answer_against, answer_by_balance, gates_of
 from support import complaint, run_ema
 
 FINE_S, EVERY = 1e-4, 20  # a record has rows of 2 ms
@@ -236,8 +237,11 @@ def test_a_voltage_is_a_drive_where_the_winding_is_stated(tmp_path: Path) -> Non
 
 def test_a_winding_that_has_changed_is_said(tmp_path: Path) -> None:
     known, healthy = machine(tmp_path), [electrical(seed, drive=True) for seed in (1, 2, 3)]
-    found = answer_by_balance(known, [electrical(4, 1.15 * RESISTANCE, True), electrical(5, 1.15 * RESISTANCE, True)], healthy=healthy)
+    shown = healthy_machine(known, healthy)
+    warmer = [electrical(4, 1.15 * RESISTANCE, True), electrical(5, 1.15 * RESISTANCE, True)]
+    found = answer_against(shown, warmer, (), gates_of(known, warmer))
     changed = {one.name: one.today / one.healthy for one in found.changed}
     assert changed == {"motor.resistance_ohm": pytest.approx(1.15, rel=0.02)}
-    same = answer_by_balance(known, [electrical(4, drive=True), electrical(5, drive=True)], healthy=healthy)
+    today = [electrical(4, drive=True), electrical(5, drive=True)]
+    same = answer_against(shown, today, (), gates_of(known, today))
     assert not same.changed and same.verdict == "adequate"

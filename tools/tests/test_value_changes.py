@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -11,7 +13,8 @@ import pytest
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord, read_motion_record
-from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
+from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
+from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_against, answer_by_balance, gates_of
 from ema_tools.words.sentences.balance import sentence
 
 PERIOD_S = 0.002
@@ -58,7 +61,12 @@ def record(
 
 @pytest.fixture
 def sheet(tmp_path: Path) -> Actuator:
-    path = tmp_path / "actuator.toml"
+    return stated(tmp_path)
+
+
+def stated(folder: Path) -> Actuator:
+    """What is known of the machine."""
+    path = folder / "actuator.toml"
     path.write_text(
         f"[motor]\ntorque_constant_Nm_per_A = {CONSTANT}\n\n[screw]\ninertia_kgm2 = {INERTIA}\nviscous_Nm_s_per_rad = 4e-4\ncsj_Nm = 0.18\n",
         encoding="utf-8",
@@ -66,8 +74,15 @@ def sheet(tmp_path: Path) -> Actuator:
     return read_actuator(path, complete=False)
 
 
-def answered(sheet: Actuator, folder: Path, today: list[MotionRecord]) -> BalanceAnswer:
-    return answer_by_balance(sheet, today, healthy=[record(folder, seed) for seed in range(5)])
+@cache
+def healthy() -> HealthyByBalance:
+    """The machine by five healthy records, once for all tests."""
+    with TemporaryDirectory() as name:
+        return healthy_machine(stated(Path(name)), [record(Path(name), seed) for seed in range(5)])
+
+
+def answered(sheet: Actuator, today: list[MotionRecord]) -> BalanceAnswer:
+    return answer_against(healthy(), today, (), gates_of(sheet, today))
 
 
 def shares(found: BalanceAnswer) -> dict[str, float]:
@@ -85,7 +100,7 @@ def shares(found: BalanceAnswer) -> dict[str, float]:
 def test_the_value_that_changed_is_told_and_no_other(
     tmp_path: Path, sheet: Actuator, changed: dict[str, float], name: str, share: float
 ) -> None:
-    found = answered(sheet, tmp_path, [record(tmp_path, seed, **changed) for seed in (50, 51, 52)])
+    found = answered(sheet, [record(tmp_path, seed, **changed) for seed in (50, 51, 52)])
     assert (found.verdict, set(shares(found))) == ("adequate", {name})
     # three records of a friction that scatters by 1 %
     assert shares(found)[name] == pytest.approx(share, abs=0.03 if name != "screw.viscous_Nm_s_per_rad" else 0.15)
@@ -126,7 +141,7 @@ def test_a_motor_that_makes_less_torque_is_no_effect_beside_standing_ones(tmp_pa
 
 
 def test_an_unchanged_machine_is_told_unchanged(tmp_path: Path, sheet: Actuator) -> None:
-    found = answered(sheet, tmp_path, [record(tmp_path, seed) for seed in (60, 61, 62)])
+    found = answered(sheet, [record(tmp_path, seed) for seed in (60, 61, 62)])
     assert (found.verdict, shares(found)) == ("adequate", {})
     assert not found.untold
 
@@ -170,8 +185,8 @@ def test_what_stays_beside_a_change_is_told_where_it_is_much(tmp_path: Path, she
     quiet, humming = record(tmp_path, 70, dry=1.4 * DRY), record(tmp_path, 71, dry=1.4 * DRY)
     assert humming.current_A is not None
     hum = 0.03 * np.sin(2.0 * np.pi * 3.3 * humming.time_s)
-    assert "stays, more than" not in sentence(answered(sheet, tmp_path, [quiet]))
-    found = answered(sheet, tmp_path, [humming.with_columns({"current_A": humming.current_A + hum})])
+    assert "stays, more than" not in sentence(answered(sheet, [quiet]))
+    found = answered(sheet, [humming.with_columns({"current_A": humming.current_A + hum})])
     assert [one.name for one in found.changed] == ["screw.csj_Nm"]
     assert "stays, more than the healthy records leave" in sentence(found)
 
