@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
-
+from ema_tools.benchmarks.goals import Rows, at_least, at_most, rarely, share, table
 from ema_tools.benchmarks.machines.plants import BEHIND, COMMANDS, EFFECTS, KINDS
 from ema_tools.benchmarks.machines.trials import HEALTHY, SIZES, named, right, wrong
-
-Rows = Sequence[Mapping[str, Any]]
-_WANTED_RIGHT, _WANTED_WRONG, _WANTED_ACCUSED = 95.0, 1.0, 0.5
-
-
-def _share(rows: Rows, holds: Callable[[Any], bool]) -> tuple[float, str]:
-    """In %, and in words with the counts."""
-    count = sum(holds(row) for row in rows)
-    percent = 100.0 * count / len(rows) if rows else 0.0
-    return percent, f"{percent:.1f} % ({count} of {len(rows)})" if rows else "-"
 
 
 def _cells(rows: Rows) -> str:
     hidden = [dict(row) for row in rows if row["effect"] != HEALTHY]
     sound = [dict(row) for row in rows if row["effect"] == HEALTHY]
-    by_size = [_share([row for row in hidden if row["size"] == size], right)[1] for size in SIZES]
-    return " | ".join([*by_size, _share(hidden, lambda row: bool(wrong(row)))[1], _share(sound, lambda row: bool(wrong(row)))[1]])
+    by_size = [share([row for row in hidden if row["size"] == size], right)[1] for size in SIZES]
+    return " | ".join([*by_size, share(hidden, lambda row: bool(wrong(row)))[1], share(sound, lambda row: bool(wrong(row)))[1]])
 
 
 def _best(rows: Rows) -> str:
@@ -35,10 +23,10 @@ def _best(rows: Rows) -> str:
 def written(rows: Rows, best: Rows, call: str) -> str:
     """The document: `best` are the rows of the ideal observer."""
     hidden, sound = named([dict(row) for row in rows]), [dict(row) for row in rows if row["effect"] == HEALTHY]
-    goals: tuple[tuple[str, tuple[float, str], str, Callable[[float], bool]], ...] = (
-        ("right effect or class accepted first, medium and large", _share(hidden, right), ">= 95 %", lambda value: value >= _WANTED_RIGHT),
-        ("a wrong effect accepted", _share(hidden, lambda row: bool(wrong(row))), "<= 1 %", lambda value: value <= _WANTED_WRONG),
-        ("healthy machines accused", _share(sound, lambda row: bool(wrong(row))), "<= 1 of 200", lambda value: value <= _WANTED_ACCUSED),
+    goals = (
+        at_least("right effect or class accepted first, medium and large", share(hidden, right)),
+        at_most("a wrong effect accepted", share(hidden, lambda row: bool(wrong(row)))),
+        rarely("healthy machines accused", share(sound, lambda row: bool(wrong(row)))),
     )
     head = f"| {' | '.join(SIZES)} | wrong accepted | healthy accused |"
     lines = [
@@ -60,12 +48,7 @@ def written(rows: Rows, best: Rows, call: str) -> str:
         f"The ideal observer, who knows the machine and the form of every effect and asks which of them made the torque (`observer.py`), would name {_best(best)} of what is hidden:",
         "what is missed below is missed for the forms that nobody knows, and for the sensors of the motion.",
         "",
-        "## Goals",
-        "",
-        "| goal | limit | met | reached |",
-        "|---|---|---|---:|",
-        *(f"| {title} | {limit} | {'yes' if met(found[0]) else '**no**'} | {found[1]} |" for title, found, limit, met in goals),
-        "",
+        *table(goals),
     ]
     for title, key, values in (
         ("By effect", "effect", tuple(EFFECTS)),

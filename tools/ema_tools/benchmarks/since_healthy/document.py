@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
+from ema_tools.benchmarks.goals import Rows, at_least, at_most, rarely, share, table
 from ema_tools.benchmarks.machines.plants import EFFECTS, KINDS, SCATTER
 from ema_tools.benchmarks.since_healthy.trials import CHANGES, MOVING, NOTHING
-
-Rows = Sequence[Mapping[str, Any]]
-# As for machines without healthy records, which are asked less.
-_WANTED_RIGHT, _WANTED_WRONG, _WANTED_ACCUSED = 95.0, 1.0, 0.5
 
 
 def right(row: Mapping[str, Any]) -> bool:
@@ -40,13 +37,6 @@ def wrong(row: Mapping[str, Any]) -> bool:
     )
 
 
-def _share(rows: Rows, holds: Callable[[Mapping[str, Any]], bool]) -> tuple[float, str]:
-    """In %, and in words with the counts."""
-    count = sum(holds(row) for row in rows)
-    percent = 100.0 * count / len(rows) if rows else 0.0
-    return percent, f"{percent:.1f} % ({count} of {len(rows)})" if rows else "-"
-
-
 def _answer(row: Mapping[str, Any]) -> str:
     """What was said, in a few words."""
     if "refused" in row:
@@ -61,11 +51,11 @@ def written(rows: Rows, call: str) -> str:
     nothing = [row for row in rows if row["since"] == NOTHING]
     values = [row for row in rows if row["since"] in CHANGES]
     effects = [row for row in rows if row["since"] in EFFECTS]
-    goals: tuple[tuple[str, tuple[float, str], str, Callable[[float], bool]], ...] = (
-        ("a value that changed is told, and nothing else", _share(values, right), ">= 95 %", lambda value: value >= _WANTED_RIGHT),
-        ("an effect that began is told, and nothing else", _share(effects, right), ">= 95 %", lambda value: value >= _WANTED_RIGHT),
-        ("something told that has not happened", _share([*values, *effects], wrong), "<= 1 %", lambda value: value <= _WANTED_WRONG),
-        ("unchanged machines accused", _share(nothing, wrong), "<= 1 of 200", lambda value: value <= _WANTED_ACCUSED),
+    goals = (
+        at_least("a value that changed is told, and nothing else", share(values, right)),
+        at_least("an effect that began is told, and nothing else", share(effects, right)),
+        at_most("something told that has not happened", share([*values, *effects], wrong)),
+        rarely("unchanged machines accused", share(nothing, wrong)),
     )
     lines = [
         "# What has happened since a machine was healthy, its controller being unknown",
@@ -81,12 +71,7 @@ def written(rows: Rows, call: str) -> str:
         "nothing where something happened is neither. A changed value is right for an effect where the answer says beside it that the effect explains these records as well (`as_well`): most bumps",
         "of friction at low speed are told by the torque at which the machine leaves its rests.",
         "",
-        "## Goals",
-        "",
-        "| goal | limit | met | reached |",
-        "|---|---|---|---:|",
-        *(f"| {title} | {limit} | {'yes' if met(found[0]) else '**no**'} | {found[1]} |" for title, found, limit, met in goals),
-        "",
+        *table(goals),
     ]
     for title, key, names in (
         ("By what happened", "since", (NOTHING, *CHANGES, *EFFECTS)),
@@ -96,7 +81,7 @@ def written(rows: Rows, call: str) -> str:
         lines += [f"## {title}", "", f"| {key} | right | wrong |", "|---|---:|---:|"]
         for name in names:
             here = [row for row in rows if row[key] == name]
-            lines.append(f"| {name} | {_share(here, right)[1]} | {_share(here, wrong)[1]} |")
+            lines.append(f"| {name} | {share(here, right)[1]} | {share(here, wrong)[1]} |")
         lines.append("")
     lines += ["## What was not right", "", "| machine, command and what happened | answer |", "|---|---|"]
     lines += [f"| {row['key']} | {_answer(row)} |" for row in rows if not right(row)]
