@@ -70,11 +70,16 @@ class Mechanical:
         """Rows at which friction is whatever balances the torque, [rows]: none where the contact stretches."""
         return np.zeros_like(self.still) if self.elastic else self.still
 
-    def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
-        """What balances the torque, up to the static level, on every row; holds where the shaft rests. `parameters` [4] of the columns."""
+    def at_rest_Nm(self, parameters: Reals, static_Nm: float) -> tuple[Reals, Reals, Reals]:
+        """The torque that friction has to balance, and the most that it balances backward and forward, on every row; true where the shaft rests. `parameters` [4] of the columns."""
         net = self.drive_Nm - self.load_Nm - self.columns @ (parameters * (1.0, 1.0, 0.0, 1.0))
         backward, forward = self.static_extra_Nm
-        return np.clip(net, -((1.0 - self.asymmetry) * static_Nm + backward), (1.0 + self.asymmetry) * static_Nm + forward)
+        return net, (1.0 - self.asymmetry) * static_Nm + backward, (1.0 + self.asymmetry) * static_Nm + forward
+
+    def friction_at_rest_Nm(self, parameters: Reals, static_Nm: float) -> Reals:
+        """What balances the torque, up to the static level, as `at_rest_Nm` has both."""
+        net, backward, forward = self.at_rest_Nm(parameters, static_Nm)
+        return np.clip(net, -backward, forward)
 
 
 def _contact(actuator: Actuator, motion: Motion, direction: Reals) -> tuple[Reals, bool]:

@@ -24,12 +24,13 @@ from ema_tools.fit.nuisance import stated_std
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.select.balance_bench import LOAD, Bench, Fitted, load_effect, solved
+from ema_tools.select.balance_setting import LEVEL
 from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
 from ema_tools.select.force_refit import ForceRefit, refit_by_forces
 from ema_tools.select.force_steps import ForceSteps, Tried
 from ema_tools.select.torque_patterns import Pattern, pattern_of
-from ema_tools.select.two_groups import CSJ, FRICTION_OF_DAYS, two_groups
+from ema_tools.select.two_groups import FRICTION_OF_DAYS, two_groups
 
 SURE_RECORDS = 3  # fewer say little of how records differ: parts of each stand in, and the answer says so [judgement]
 _CHANCE = 0.995  # of a healthy record to lie below the limit of one value, to one side [chance]
@@ -179,12 +180,15 @@ def _alone(columns: Reals, left: Reals, group: NDArray[np.int64]) -> list[Reals]
     ]
 
 
-def _check_states(bench: Bench, known: Actuator) -> None:
-    """Raises InputError where the friction of one or more of several records of like motion is far from that of the others: one that is not healthy would be taken for scatter."""
-    place, level = MECHANICAL_PARAMETERS.index(CSJ), known[CSJ] * (known["screw.dynamic_ratio"] or 1.0)
+def _check_states(bench: Bench, known: Actuator, left: Reals) -> None:
+    """Raises InputError where the friction of one or more of several records of like motion is far from that of the others: one that is not healthy would be taken for scatter.
+
+    `left` [samples]: by the machine as it is known.
+    """
+    place, level = MECHANICAL_PARAMETERS.index(LEVEL), known[LEVEL] * (known["screw.dynamic_ratio"] or 1.0)
     if len(bench.records) < 2 or place in bench.taken or not level > 0.0:
         return
-    left, column, rows = _residual(bench, known), bench.start.base[:, place], bench.sliding
+    column, rows = bench.start.base[:, place], bench.sliding
     speed = bench.kept(np.abs(bench.start.setting.states.speed_rad_s))
     of_record = [rows & (bench.of_record == number) for number in range(len(bench.records))]
     if not all(here.any() for here in of_record):
@@ -233,8 +237,8 @@ def healthy_machine(
     bench = Bench(known, records, (), fixes, whole=True)
     bench.keep_undetermined()
     sure = len(records) >= SURE_RECORDS
-    _check_states(bench, known)
     group, left = _groups(bench, sure), _residual(bench, known)
+    _check_states(bench, known, left)
     left, group, base = left[bench.sliding], group[bench.sliding], bench.start.base[bench.sliding]
     scatter: dict[str, float] = {}
     for place, name in enumerate(MECHANICAL_PARAMETERS):

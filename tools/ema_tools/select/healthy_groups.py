@@ -21,10 +21,10 @@ from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.whitening import counted, least_noise, spectrum
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
-from ema_tools.select.two_groups import CSJ, FRICTION_OF_DAYS, two_groups
+from ema_tools.select.two_groups import FRICTION_OF_DAYS, two_groups
 
 # How far values of one machine may lie apart on two days, relative: beyond, one record is of another state. Grease may do anything [judgement]
-_OF_DAYS = {CSJ: FRICTION_OF_DAYS, "screw.blk_mm": 0.2, "motor.resistance_ohm": 0.15}
+_OF_DAYS = {"screw.csj_Nm": FRICTION_OF_DAYS, "screw.blk_mm": 0.2, "motor.resistance_ohm": 0.15}
 _NOISE = 2.0  # times the sensors' noise may be left between two records [judgement]
 _NOT_SENSED = ("voltage_V",)  # the controller's answer to noise, not a sensor of its own [physics]
 _ASKED = 0.95  # of the power of the commanded speed lies below a frequency ... [judgement]

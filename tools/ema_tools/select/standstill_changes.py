@@ -65,10 +65,8 @@ def _breaks_away(actuator: Actuator, record: AnyRecord) -> float | None:
     """The torque at which a record leaves its rests, in the middle of them, as a share of what the model holds at most; None of too few rests."""
     model, values = mechanical_model(actuator, best_placed(actuator, record)), adjusted(actuator)
     parameters = np.array((values["screw.inertia_kgm2"], values["screw.viscous_Nm_s_per_rad"], 0.0, values["screw.load_torque_Nm"]))
-    net = model.drive_Nm - model.load_Nm - model.columns @ parameters
-    backward, forward = model.static_extra_Nm
-    static = values["screw.csj_Nm"]
-    holds = np.where(net > 0.0, (1.0 + model.asymmetry) * static + forward, (1.0 - model.asymmetry) * static + backward)
+    net, backward, forward = model.at_rest_Nm(parameters, values["screw.csj_Nm"])
+    holds = np.where(net > 0.0, forward, backward)
     if not np.all(holds[model.resting] > 0.0):
         return None
     share = np.abs(net) / np.where(holds > 0.0, holds, 1.0)

@@ -7,7 +7,6 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ema_tools.base.arrays import Reals
 
-CSJ = "screw.csj_Nm"
 FRICTION_OF_DAYS = (
     0.18  # how far dry friction of one machine may lie apart on two days, relative: beyond, one record is of another state [judgement]
 )
