@@ -2,7 +2,7 @@
 #include "ema_desk.h"
 #include "ema_desk_actuator.h"
 #include "ema_drive.h"
-#include "ema_effect_sites.h"
+#include "ema_effect_sums.h"
 #include "ema_encoder.h"
 #include "ema_gearbox.h"
 #include "ema_limits.h"

@@ -285,14 +285,20 @@ static ema_real ema_sin_folded(ema_real turn)
     return turn * EMA_POLYNOMIAL(ema_sin_terms, turn * turn);
 }
 
-/* Both are folded at a quarter turn without a branch, which nothing would predict, and before the quarter comes in: at
- * |part| <= 1/2 nothing of the angle is lost. */
+/* Folded at a quarter turn by the whole half turns, of which every second turns the sign: a product with a power of two,
+ * the difference from a whole number and a sign lose nothing. */
 ema_real ema_sin(ema_real x)
 {
-    const ema_real part = ema_turn_part(x);
-    return ema_sin_folded(ema_min(ema_max(part, EMA_R(-0.5) - part), EMA_R(0.5) - part));
+    const ema_real halves = x * EMA_R(0.3183098861837907);
+    if (!(ema_abs(halves) < EMA_R(4194304.0))) {
+        return EMA_R(0.0);
+    }
+    const ema_real whole = ema_nearest(halves);
+    const ema_real rest = EMA_R(0.5) * (halves - whole);
+    return ema_sin_folded((((uint32_t)(int32_t)whole & 1U) != 0U) ? -rest : rest);
 }
 
+/* The quarter comes in after whole turns are gone: at |part| <= 1/2 nothing of the angle is lost. */
 ema_real ema_cos(ema_real x)
 {
     return ema_sin_folded(EMA_R(0.25) - ema_abs(ema_turn_part(x)));

@@ -4,5 +4,6 @@
 
 ema_real ema_effect_cogging_torque(const ema_effect_cogging_torque_t* effect, const ema_site_t* site)
 {
-    return effect->amplitude_Nm * ema_sin((effect->periods * site->angle_rad) + effect->phase_rad);
+    const ema_real wave = ema_sin((effect->periods * site->angle_rad) + effect->phase_rad);
+    return effect->amplitude_Nm * wave;
 }

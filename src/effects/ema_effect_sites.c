@@ -3,24 +3,12 @@
 #include <stddef.h>
 
 #include "ema_copy.h"
+#include "ema_effect_runs.h"
 #include "ema_math.h"
 #include "ema_table.h"
 
 _Static_assert((size_t)EMA_EFFECT_COUNT <= (8U * sizeof(ema_effect_set_t)), "a set of effects has a bit for each");
 _Static_assert((uint32_t)EMA_SITE_COUNT <= EMA_TABLES_BIT, "a bit for each site, and one for tables");
-
-/* Whether an effect acts in this run; known beforehand of one that this build leaves out, so that nothing of it is
- * compiled. */
-#define EMA_RUNS(words, name)                                                                                          \
-    ((EMA_HAS_##name != 0)                                                                                             \
-     && ((((words)[(uint32_t)EMA_EFFECT_ID_##name / 32U] >> ((uint32_t)EMA_EFFECT_ID_##name % 32U)) & 1U) != 0U))
-
-/* A copy of these words, since each call would have them read again. */
-#define EMA_PRESENT(plant) {(plant)->active.present[0], (plant)->active.present[EMA_EFFECT_WORDS - 1U]}
-_Static_assert(EMA_EFFECT_WORDS <= 2U, "the copy has two words");
-
-/* A learned table lies where the configuration does. */
-#define EMA_LEARNED(plant, name) (&(plant)->learned->name)
 
 void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
 {
@@ -79,66 +67,6 @@ void ema_effects_adjust(const ema_effects_t* effects, ema_params_t* params)
     /* a transmission takes its mass off the total inertia, so that total must be known before */
 #define EMA_EFFECT_AT_TRANSMISSION(name) EMA_ADJUST(name)
 #include "ema/ema_effects.def"
-}
-
-ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm)
-{
-    const uint32_t present[] = EMA_PRESENT(plant);
-    ema_real change_Nm = EMA_R(0.0);
-#define EMA_EFFECT_AT_FRICTION(name)                                                                                   \
-    if (EMA_RUNS(present, name)) {                                                                                     \
-        change_Nm += ema_effect_##name(&plant->effects.name, site, level_Nm);                                          \
-    }
-#define EMA_EFFECT_AT_FRICTION_TABLE(name)                                                                             \
-    if (EMA_RUNS(present, name)) {                                                                                     \
-        change_Nm += ema_effect_##name(EMA_LEARNED(plant, name), site, level_Nm);                                      \
-    }
-#include "ema/ema_effects.def"
-    return change_Nm;
-}
-
-/* Adds what an effect at a site makes of its values. */
-#define EMA_ADD(sum, name, values)                                                                                     \
-    if (EMA_RUNS(present, name)) {                                                                                     \
-        (sum) += ema_effect_##name(values, site);                                                                      \
-    }
-
-ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site)
-{
-    const uint32_t present[] = EMA_PRESENT(plant);
-    ema_real torque_Nm = EMA_R(0.0);
-#define EMA_EFFECT_AT_TORQUE(name) EMA_ADD(torque_Nm, name, &plant->effects.name)
-#define EMA_EFFECT_AT_TORQUE_TABLE(name) EMA_ADD(torque_Nm, name, EMA_LEARNED(plant, name))
-#include "ema/ema_effects.def"
-    return torque_Nm;
-}
-
-ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site)
-{
-    const uint32_t present[] = EMA_PRESENT(plant);
-    ema_real load_Nm = EMA_R(0.0);
-#define EMA_EFFECT_AT_LOAD(name) EMA_ADD(load_Nm, name, &plant->effects.name)
-#include "ema/ema_effects.def"
-    return load_Nm;
-}
-
-ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site)
-{
-    const uint32_t present[] = EMA_PRESENT(plant);
-    ema_real voltage_V = EMA_R(0.0);
-#define EMA_EFFECT_AT_VOLTAGE(name) EMA_ADD(voltage_V, name, &plant->effects.name)
-#define EMA_EFFECT_AT_VOLTAGE_TABLE(name) EMA_ADD(voltage_V, name, EMA_LEARNED(plant, name))
-#include "ema/ema_effects.def"
-    return voltage_V;
-}
-
-ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
-{
-    const uint32_t present[] = EMA_PRESENT(plant);
-    ema_real change = EMA_R(0.0);
-#define EMA_EFFECT_AT_MOTOR(name) EMA_ADD(change, name, &plant->effects.name)
-#include "ema/ema_effects.def"
-    return change;
 }
 
 ema_real ema_site_reading(const ema_plant_t* plant, const ema_site_t* site)

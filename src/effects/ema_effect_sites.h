@@ -115,13 +115,7 @@ static inline bool ema_acts_on_reading(const ema_plant_t* plant)
     return ((uint32_t)plant->active.sites & asked) != 0U;
 }
 
-/* While it runs: the sum over the active effects of a site. */
-ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm);
-ema_real ema_site_torque(const ema_plant_t* plant, const ema_site_t* site);
-ema_real ema_site_load(const ema_plant_t* plant, const ema_site_t* site);
-ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site_t* site);
-/* Relative change of torque constant and back-EMF. */
-ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site);
+/* What they say at a point of the motion: ema_effect_sums.h. */
 /* Share of dry friction, -1 to 1, that the contact carries after a turn from the share that `memory` holds; without
  * changing it. Of several such effects the first of the list. */
 ema_real ema_site_presliding(const ema_plant_t* plant, const ema_real* memory, ema_real turn_rad);

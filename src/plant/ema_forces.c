@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-#include "ema_effect_sites.h"
+#include "ema_effect_sums.h"
 #include "ema_gearbox.h"
 #include "ema_math.h"
 #include "ema_motor.h"
@@ -13,25 +13,32 @@
  */
 static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
 {
-    /* an elastic contact has no direction to keep */
-    const bool keeps = (motion == (int32_t)EMA_MOTION_ELASTIC) || (((ema_real)motion * speed_rad_s) > EMA_R(0.0));
-    return keeps ? speed_rad_s : EMA_R(0.0);
+    ema_real kept_rad_s = speed_rad_s;
+    if (motion == (int32_t)EMA_MOTION_FORWARD) {
+        kept_rad_s = ema_max(speed_rad_s, EMA_R(0.0));
+    } else if (motion == (int32_t)EMA_MOTION_BACKWARD) {
+        kept_rad_s = ema_min(speed_rad_s, EMA_R(0.0));
+    } else {
+        /* at rest there is none, and an elastic contact has no direction to keep */
+    }
+    return kept_rad_s;
 }
 
 /* Sites that most machines have no effect at, in the two groups that are passed by together. */
 #define EMA_SITES_OF_INPUT                                                                                             \
     (((uint32_t)1 << (uint32_t)EMA_SITE_VOLTAGE) | ((uint32_t)1 << (uint32_t)EMA_SITE_WINDING)                         \
      | ((uint32_t)1 << (uint32_t)EMA_SITE_LOAD))
-#define EMA_SITES_OF_TORQUE                                                                                            \
-    (((uint32_t)1 << (uint32_t)EMA_SITE_TORQUE) | ((uint32_t)1 << (uint32_t)EMA_SITE_GREASE)                           \
-     | ((uint32_t)1 << (uint32_t)EMA_SITE_MOTOR))
+#define EMA_SITES_OF_SHAFT (((uint32_t)1 << (uint32_t)EMA_SITE_GREASE) | ((uint32_t)1 << (uint32_t)EMA_SITE_MOTOR))
 
 /* Dry friction against the site's direction. */
 static ema_real ema_level(const ema_plant_t* plant, uint32_t sites, const ema_site_t* site, ema_real level_Nm,
                           ema_real load_Nm)
 {
     const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, site->direction);
-    ema_real total_Nm = own_Nm + ema_gearbox_lost(&plant->gearbox, load_Nm, site->direction);
+    ema_real total_Nm = own_Nm;
+    if (load_Nm != EMA_R(0.0)) {
+        total_Nm += ema_gearbox_lost(&plant->gearbox, load_Nm, site->direction);
+    }
     if (ema_acts_among(sites, EMA_SITE_GREASE)) {
         total_Nm += site->grease * own_Nm;
     }
@@ -87,7 +94,6 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
     const uint32_t sites = plant->active.sites;
     /* kept out of the structure: each call would have them written and read again */
     ema_real input = applied->input;
-    work->spent += EMA_WORK_FORCES;
     ema_real load_Nm = plant->screw.load_torque_Nm;
     if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_INPUT) != 0U) {
         if (!ema_drive_follows(applied) && ema_acts_among(sites, EMA_SITE_VOLTAGE)) {
@@ -105,10 +111,10 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
         }
     }
     ema_real torque_Nm = -load_Nm;
-    if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_TORQUE) != 0U) {
-        if (ema_acts_among(sites, EMA_SITE_TORQUE)) {
-            torque_Nm += ema_site_torque(plant, &site);
-        }
+    if (ema_acts_among(sites, EMA_SITE_TORQUE)) {
+        torque_Nm += ema_site_torque(plant, &site);
+    }
+    if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_SHAFT) != 0U) {
         if (ema_acts_among(sites, EMA_SITE_GREASE)) {
             site.grease = ema_site_grease(plant, state->effect_memory);
             torque_Nm -= (site.grease * plant->screw.viscous_Nm_s_per_rad) * site.speed_rad_s;
@@ -145,6 +151,7 @@ void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_wo
     segment->start.current_A = state->current_A;
     segment->start.speed_rad_s = state->speed_rad_s;
     segment->start.angle_rad = state->angle_rad;
+    work->spent += EMA_WORK_FORCES;
     ema_forces_at(plant, state, work, &segment->start);
     /* one by one: a copy of the whole waits for the writes to its parts */
     const ema_real input = work->forces.input;
@@ -176,6 +183,7 @@ void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema
         segment->forces.torque_Nm += span->torque_Nm;
         reaction_Nm = work->rod.reaction_end_Nm;
     }
+    work->spent += EMA_WORK_FORCES;
     ema_forces_at(plant, state, work, &segment->end);
     span->torque_rise_Nm = (work->forces.torque_Nm + reaction_Nm) - segment->forces.torque_Nm;
     span->input_rise = work->forces.input - segment->forces.input;

@@ -6,7 +6,7 @@
 
 /* The forces at a point of the work's segment, into the work's `forces`. All of them at its own start; at any other the
  * levels that hold a shaft at rest are left out, and a dry friction that nothing changes on the way is the one at the
- * start. */
+ * start. Who asks counts it as EMA_WORK_FORCES. */
 void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, const ema_point_t* point);
 
 /* Opens the work's segment at the state, over the work's span: the forces at its start, held over it until its end is

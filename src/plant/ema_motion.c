@@ -94,6 +94,17 @@ static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
     return nodes;
 }
 
+/* Whether nothing can be off an even rise by more than is taken for one: dry friction alone acts, its laws hang on a speed
+ * that keeps its direction, or on a place that a step hardly moves, and it is the same at both ends. A learned table
+ * may do anything between. */
+static bool ema_segment_steady(const ema_plant_t* plant, const ema_work_t* work)
+{
+    const uint32_t apart = ((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING);
+    const uint32_t friction = (uint32_t)EMA_SITES_HELD & ((uint32_t)1 << (uint32_t)EMA_SITE_FRICTION);
+    return (friction != 0U) && ((plant->active.sites | apart) == (friction | apart))
+           && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_UNEVEN);
+}
+
 /* Bends and twists the forces through those at the inner nodes; false where they are not resolved by that, which is
  * looked at where it can be. An elastic contact forgets which way it was stretched, so a turning point inside is too
  * much for it. */
@@ -106,8 +117,10 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
         plant->screw.static_Nm + ema_abs(plant->motor.torque_constant_Nm_per_A * segment->start.current_A);
     bool resolved = (state->motion != (int32_t)EMA_MOTION_ELASTIC)
                     || ((segment->start.speed_rad_s * segment->end.speed_rad_s) > EMA_R(0.0));
-    uint32_t nodes = 2U;
-    for (uint32_t k = 0; resolved && (k < nodes); ++k) {
+    uint32_t nodes = ema_segment_steady(plant, work) ? 0U : 2U;
+    uint32_t asked = 0U;
+    for (; resolved && (asked < nodes); ++asked) {
+        const uint32_t k = asked;
         const ema_node_t* const node = &ema_nodes[k];
         /* the second node is on the first one's way */
         if (k != 1U) {
@@ -130,6 +143,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
                                           here->torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
         }
     }
+    work->spent += asked * EMA_WORK_FORCES;
     return resolved;
 }
 
@@ -174,15 +188,13 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
     return smooth;
 }
 
-/* A span by the prepared responses, where there are any; false, and nothing changed, where it has to be taken event by
+/* A span by the work's responses, where there are any; false, and nothing changed, where it has to be taken event by
  * event, or in substeps. */
-static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work,
-                           const ema_responses_t* responses, ema_real span_s, bool whole)
+static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s, bool whole)
 {
     work->circuit = ema_circuit_of(plant, &work->applied);
-    work->responses = responses;
     work->span_s = span_s;
-    const bool done = (responses != NULL) && ema_drive_keeps(&plant->drive, &work->applied)
+    const bool done = (work->responses != NULL) && ema_drive_keeps(&plant->drive, &work->applied)
                       && ema_motion_smooth(plant, state, work, whole);
     if (done && ema_acts(plant, EMA_SITE_TRANSMISSION)) {
         /* the play is as it was */
@@ -193,10 +205,10 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
 
 void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
 {
-    const ema_responses_t* const prepared =
+    work->responses =
         (ema_acts_on_motion(plant) && !ema_drive_delays(&plant->drive)) ? &plant->responses[0] : NULL;
     /* events are found without the frame of a try below them */
-    if (!ema_motion_try(plant, state, work, prepared, span_s, false)) {
+    if (!ema_motion_try(plant, state, work, span_s, false)) {
         ema_motion_events(plant, state, work);
     }
 }
@@ -205,7 +217,8 @@ void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* w
                      ema_real span_s)
 {
     ++work->spent;
-    if (!ema_tries_whole(plant) || !ema_motion_try(plant, state, work, responses, span_s, true)) {
+    work->responses = responses;
+    if (!ema_tries_whole(plant) || !ema_motion_try(plant, state, work, span_s, true)) {
         for (uint32_t k = 0; k < plant->substeps; ++k) {
             ema_motion_located(plant, state, work, span_s / (ema_real)plant->substeps);
         }

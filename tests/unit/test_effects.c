@@ -1,7 +1,7 @@
 /* Optional effects: absent bit for bit at zero, felt when they are not, and each against a closed form of its own. */
 #include <math.h>
 
-#include "ema_effect_sites.h"
+#include "ema_effect_sums.h"
 #include "ema_math.h"
 #include "ema_rig.h"
 
