@@ -44,11 +44,6 @@ STEPS = {"stribeck_friction": ("Stribeck friction", 1000), "cogging_torque": ("c
 MISSED = {
     "bare": "no effect is linked, but search and fit (3 KiB), sensitivities and verdict (1.9 KiB), control law, drive and encoder in all their modes (1.3 KiB) are; "
     "the next row leaves the modes out, too",
-    "step_stribeck_friction": "forces are asked at three points of a step, in the mean at 3.2, each 105 instructions, 27 for the list of effects, 25 for the law and 29 for the exponential; "
-    "control law, drive, play and what a step tries and checks take 630. Fewer points or an exponential that is looked up are other bits, copies of the way for one effect more code; "
-    "-O2 and -O3 take more",
-    "step_cogging_torque": "forces are asked at five points in the mean, since a ripple has to fit between those that it is tried at: each 82 instructions, 33 for the list of effects and the law, "
-    "39 for the sine; else likewise",
     "unit_tick": "its standing effects act in motion, so a step asks for their forces many times; a unit that has none costs what case A does",
     "unit_identify": "likewise; nothing waits for it but the answer, and its slices are as short as one likes",
     "code": "since the limit was set four effects have come (0.9 KiB), intervals and a unit's ground test (0.3 KiB), optima on a bound (0.3 KiB); "

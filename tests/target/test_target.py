@@ -243,7 +243,7 @@ def measured(**changed: float) -> budgets.Measured:
         "table_products": 184,
         "table_bin_rows": 40,
     }
-    counts |= {f"{budgets.STEP}{name}_mean": limit + 1 for name, (_, limit) in budgets.STEPS.items()}
+    counts |= {f"{budgets.STEP}{name}_mean": limit for name, (_, limit) in budgets.STEPS.items()}
     counts["size_ema_guarded_t"] = 7300
     counts |= {
         f"{name}_{which}": 300
