@@ -239,9 +239,21 @@ static void ema_lanes_resolve(ema_lanes_t* lanes, uint32_t which)
     const ema_real transmits = ema_flag(ema_acts(&lanes->plant[0], EMA_SITE_TRANSMISSION));
     ema_lane_t first_input;
     ema_lane_t first_Nm;
+    ema_lane_t asks;
     ema_lane_t uneven;
     ema_lane_t third;
     ema_lane_t fourth;
+    /* ema_segment_steady */
+    const ema_real friction = ema_flag(ema_friction_alone(&lanes->plant[0]));
+    EMA_EACH_LANE
+    {
+        const ema_real steady =
+            friction * ema_lane_within(lanes, l, EMA_R(0.0), segment->driven[EMA_DRIVEN_TORQUE_RISE][l], EMA_UNEVEN);
+        asks[l] = lanes->done[l] * ema_not(steady);
+    }
+    if (!ema_lanes_any(asks)) {
+        return;
+    }
     ema_lanes_forces_at(lanes, &lanes->here);
     EMA_EACH_LANE
     {
@@ -256,7 +268,7 @@ static void ema_lanes_resolve(ema_lanes_t* lanes, uint32_t which)
         first_input[l] = off.input;
         first_Nm[l] = off.torque_Nm;
         lanes->done[l] = done;
-        uneven[l] = done * ema_not(even * tame);
+        uneven[l] = asks[l] * done * ema_not(even * tame);
         ema_lane_point(lanes, l, &ema_nodes[1]);
     }
     if (ema_lanes_any(uneven)) {

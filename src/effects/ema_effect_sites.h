@@ -107,6 +107,14 @@ static inline bool ema_friction_varies(uint32_t sites)
     return (sites & asked) != 0U;
 }
 
+/* Whether laws of dry friction are all that acts while the model runs, and none of them is a table. */
+static inline bool ema_friction_alone(const ema_plant_t* plant)
+{
+    const uint32_t apart = ((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING);
+    const uint32_t friction = (uint32_t)EMA_SITES_HELD & ((uint32_t)1 << (uint32_t)EMA_SITE_FRICTION);
+    return (friction != 0U) && ((plant->active.sites | apart) == (friction | apart));
+}
+
 /* Whether something adds to the rod sensor's reading, or a learned table acts: how far it is used is watched there. */
 static inline bool ema_acts_on_reading(const ema_plant_t* plant)
 {

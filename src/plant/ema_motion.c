@@ -94,15 +94,11 @@ static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
     return nodes;
 }
 
-/* Whether nothing can be off an even rise by more than is taken for one: dry friction alone acts, its laws hang on a speed
- * that keeps its direction, or on a place that a step hardly moves, and it is the same at both ends. A learned table
- * may do anything between. */
+/* Whether nothing can be off an even rise by more than is taken for one: the laws of dry friction hang on a speed that
+ * keeps its direction, or on a place that a step hardly moves, and it is the same at both ends. */
 static bool ema_segment_steady(const ema_plant_t* plant, const ema_work_t* work)
 {
-    const uint32_t apart = ((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING);
-    const uint32_t friction = (uint32_t)EMA_SITES_HELD & ((uint32_t)1 << (uint32_t)EMA_SITE_FRICTION);
-    return (friction != 0U) && ((plant->active.sites | apart) == (friction | apart))
-           && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_UNEVEN);
+    return ema_friction_alone(plant) && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_UNEVEN);
 }
 
 /* Bends and twists the forces through those at the inner nodes; false where they are not resolved by that, which is
