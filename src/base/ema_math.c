@@ -285,8 +285,8 @@ static ema_real ema_sin_folded(ema_real turn)
     return turn * EMA_POLYNOMIAL(ema_sin_terms, turn * turn);
 }
 
-/* Folded at a quarter turn by the whole half turns, of which every second turns the sign: a product with a power of two,
- * the difference from a whole number and a sign lose nothing. */
+/* Folded at a quarter turn by the whole half turns, of which every second turns the sign: a product with a power of
+ * two, the difference from a whole number and a sign lose nothing. */
 ema_real ema_sin(ema_real x)
 {
     const ema_real halves = x * EMA_R(0.3183098861837907);

@@ -201,8 +201,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
 
 void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
 {
-    work->responses =
-        (ema_acts_on_motion(plant) && !ema_drive_delays(&plant->drive)) ? &plant->responses[0] : NULL;
+    work->responses = (ema_acts_on_motion(plant) && !ema_drive_delays(&plant->drive)) ? &plant->responses[0] : NULL;
     /* events are found without the frame of a try below them */
     if (!ema_motion_try(plant, state, work, span_s, false)) {
         ema_motion_events(plant, state, work);
