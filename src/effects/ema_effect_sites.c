@@ -3,7 +3,6 @@
 #include <stddef.h>
 
 #include "ema_copy.h"
-#include "ema_effect_runs.h"
 #include "ema_math.h"
 #include "ema_table.h"
 
