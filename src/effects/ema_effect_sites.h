@@ -130,8 +130,8 @@ static inline bool ema_friction_varies(uint32_t sites)
 static inline bool ema_friction_alone(const ema_plant_t* plant)
 {
     const uint32_t apart = ((uint32_t)1 << (uint32_t)EMA_SITE_PARAMETER) | ((uint32_t)1 << (uint32_t)EMA_SITE_READING);
-    const uint32_t friction = (uint32_t)EMA_SITES_HELD & ((uint32_t)1 << (uint32_t)EMA_SITE_FRICTION);
-    return (friction != 0U) && ((plant->active.sites | apart) == (friction | apart));
+    const uint32_t friction = (uint32_t)1 << (uint32_t)EMA_SITE_FRICTION;
+    return (plant->active.sites | apart) == (friction | apart);
 }
 
 /* Whether something adds to the rod sensor's reading, or a learned table acts: how far it is used is watched there. */
