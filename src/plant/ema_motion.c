@@ -95,7 +95,7 @@ static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
 }
 
 /* Whether nothing can be off an even rise by more than is taken for one: the laws of dry friction hang on a speed that
- * keeps its direction, or on a place that a step hardly moves, and it is the same at both ends. */
+ * keeps its direction, or on a load or a place that a step hardly moves, and it is the same at both ends. */
 static bool ema_segment_steady(const ema_plant_t* plant, const ema_work_t* work)
 {
     return ema_friction_alone(plant) && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_UNEVEN);
