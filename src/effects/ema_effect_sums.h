@@ -50,6 +50,7 @@ static inline ema_real ema_site_voltage(const ema_plant_t* plant, const ema_site
     return voltage_V;
 }
 
+/* Relative change of torque constant and back-EMF. */
 static inline ema_real ema_site_motor(const ema_plant_t* plant, const ema_site_t* site)
 {
     const uint32_t present[] = EMA_PRESENT(plant);

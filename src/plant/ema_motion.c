@@ -114,9 +114,8 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
     bool resolved = (state->motion != (int32_t)EMA_MOTION_ELASTIC)
                     || ((segment->start.speed_rad_s * segment->end.speed_rad_s) > EMA_R(0.0));
     uint32_t nodes = ema_segment_steady(plant, work) ? 0U : 2U;
-    uint32_t asked = 0U;
-    for (; resolved && (asked < nodes); ++asked) {
-        const uint32_t k = asked;
+    uint32_t k = 0U;
+    for (; resolved && (k < nodes); ++k) {
         const ema_node_t* const node = &ema_nodes[k];
         /* the second node is on the first one's way */
         if (k != 1U) {
@@ -139,7 +138,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
                                           here->torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
         }
     }
-    work->spent += asked * EMA_WORK_FORCES;
+    work->spent += k * EMA_WORK_FORCES;
     return resolved;
 }
 
