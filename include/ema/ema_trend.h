@@ -90,8 +90,6 @@ typedef struct {
     ema_reading_t knot[EMA_TREND_KNOTS]; /* times after the first reading's */
 } ema_trend_t;
 
-_Static_assert((EMA_REAL64 != 0) || (sizeof(ema_trend_t) <= 1024U), "a trend takes at most 1 KiB");
-
 typedef struct {
     ema_real limit_percent;     /* shift at which the unit is taken out of service; below zero for a value that falls */
     ema_real false_alarm_ratio; /* of units that do not wear, those that may be said to drift at one look */

@@ -123,8 +123,9 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         } else if (guarded->phase != EMA_GUARDED_DONE) {
             /* the session's own runs, from here, where the stack is lowest; where the table has said something, it has
              * placed their start */
-            status = (guarded->finding.kind != EMA_FINDING_NONE) ? ema_session_run_placed(&guarded->session, steps)
-                                                                 : ema_session_run(&guarded->session, steps);
+            status = ((guarded->signatures != NULL) && (guarded->finding.kind != EMA_FINDING_NONE))
+                         ? ema_session_run_placed(&guarded->session, steps)
+                         : ema_session_run(&guarded->session, steps);
             ema_guarded_searched(guarded, status);
         } else {
             /* done */

@@ -3,6 +3,8 @@
 #include "ema_copy.h"
 #include "ema_math.h"
 
+_Static_assert((EMA_REAL64 != 0) || (sizeof(ema_trend_t) <= 1024U), "a trend takes at most 1 KiB");
+
 /* Newest readings that are never joined: their neighbours are still asked for. */
 #define EMA_NEWEST 6U
 /* The scatter: deviations beyond three of it count as three, which of a normal one leaves 0.9733 of the square; before
