@@ -512,7 +512,7 @@ ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_s
 
 ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps)
 {
-    if (self == NULL) {
+    if ((self == NULL) || (self->config == NULL)) {
         return EMA_ERR_NULL;
     }
     uint32_t left = steps;
@@ -538,5 +538,5 @@ ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps)
 
 bool ema_least_squares_done(const ema_least_squares_t* self)
 {
-    return self->phase == EMA_SQUARES_DONE;
+    return (self != NULL) && (self->phase == EMA_SQUARES_DONE);
 }

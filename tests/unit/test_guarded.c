@@ -271,6 +271,8 @@ static void order_and_refusals(void)
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_init(&guarded, NULL, &rig.table));
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_feed(NULL, &sample));
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_run(NULL, 1U));
+    static ema_guarded_t never;
+    EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_guarded_run(&never, 1U));
     EMA_ASSERT_STATUS(EMA_OK, ema_guarded_init(&guarded, &config, &rig.table));
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_result(NULL, &result, &finding));
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_guarded_result(&guarded, NULL, &finding));

@@ -525,7 +525,11 @@ static void test_pointers_are_needed(void)
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_least_squares_init(search, &config, NULL));
     config.actuator = NULL;
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_least_squares_init(search, &config, &record));
+    static ema_least_squares_t never;
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_least_squares_run(NULL, 1U));
+    EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_least_squares_run(&never, 1U));
+    TEST_ASSERT_FALSE(ema_least_squares_done(NULL));
+    TEST_ASSERT_FALSE(ema_least_squares_done(&never));
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_least_squares_result(NULL, &result));
     EMA_ASSERT_STATUS(EMA_ERR_NULL, ema_least_squares_result(search, NULL));
 }
