@@ -58,12 +58,18 @@ ema_status_t ema_guarded_feed(ema_guarded_t* guarded, const ema_sample_t* sample
     return (guarded->phase == EMA_GUARDED_FEEDING) ? ema_session_feed(&guarded->session, sample) : EMA_ERR_ORDER;
 }
 
+/* Whether the table has said something, which has placed the start of the search. */
+static bool ema_guarded_placed(const ema_guarded_t* guarded)
+{
+    return (guarded->signatures != NULL) && (guarded->finding.kind != EMA_FINDING_NONE);
+}
+
 /* The session has ended: its result is kept, and the run at its estimate takes the place of its runs. */
 static void ema_guarded_ended(ema_guarded_t* guarded)
 {
     (void)ema_session_result(&guarded->session, &guarded->result);
     guarded->phase = EMA_GUARDED_DONE;
-    if ((guarded->signatures != NULL) && (guarded->finding.kind != EMA_FINDING_NONE)) {
+    if (ema_guarded_placed(guarded)) {
         guarded->finding = ema_no_finding;
         if (ema_scoring_start(&guarded->session, guarded->signatures) == EMA_OK) {
             guarded->phase = EMA_GUARDED_LOOKING;
@@ -121,11 +127,9 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_GUARDED_LOOKING)) {
             ema_guarded_score(guarded, steps);
         } else if (guarded->phase != EMA_GUARDED_DONE) {
-            /* the session's own runs, from here, where the stack is lowest; where the table has said something, it has
-             * placed their start */
-            status = ((guarded->signatures != NULL) && (guarded->finding.kind != EMA_FINDING_NONE))
-                         ? ema_session_run_placed(&guarded->session, steps)
-                         : ema_session_run(&guarded->session, steps);
+            /* the session's own runs, from here, where the stack is lowest */
+            status = ema_guarded_placed(guarded) ? ema_session_run_placed(&guarded->session, steps)
+                                                 : ema_session_run(&guarded->session, steps);
             ema_guarded_searched(guarded, status);
         } else {
             /* done */
