@@ -83,10 +83,13 @@ enum {
 };
 
 typedef struct {
-    ema_real estimate;      /* in the parameter's own unit */
-    ema_real std;           /* standard error from the residual and the sensitivities */
-    ema_real bias;          /* how far it may be off besides, for what lasts in the residual: see ema_sensitivity.h */
-    ema_real shift_percent; /* (estimate - healthy) / healthy * 100 */
+    ema_real estimate; /* in the parameter's own unit; CSJ as at the temperature of the healthy runs, where the actuator
+                          says what a degree does to it and grease and winding are searched beside it */
+    ema_real std;      /* standard error from the residual and the sensitivities */
+    ema_real bias;     /* how far it may be off besides, for what lasts in the residual: see ema_sensitivity.h */
+    ema_real scatter_percent; /* how far a sound machine is read apart today, standard deviation in % of the healthy
+                                 value; 0 of what the actuator says nothing of */
+    ema_real shift_percent;   /* (estimate - healthy) / healthy * 100 */
     bool at_bound;
 } ema_estimate_t;
 
@@ -137,7 +140,10 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
 
 /* Where the actuator's [search] day_values says so, adds what differs from day to day to what `config` identifies: the
  * screw's viscous friction and the winding's resistance, those that the actuator has. They are searched within what
- * temperatures make of them and are never a fault; without them CSJ and BLK take up what grease and winding do. Costs
+ * temperatures make of them and are never a fault; without them CSJ and BLK take up what grease and winding do. Where
+ * the actuator says what a degree makes of a sound machine's CSJ (csj_per_degC_percent), the two tell how warm it is,
+ * and CSJ is stated as at the temperature of the healthy runs; those that contradict each other by day_apart_degC tell
+ * nothing. In a configuration of one's own that goes for values that stand behind CSJ. Costs
  * about half as many model runs again, and up to two more beside the others at the end. To be called after
  * ema_session_config_default. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_RANGE when there is no room for them. */
 ema_status_t ema_session_config_day(ema_session_config_t* config);

@@ -352,6 +352,7 @@ static void ema_result_to(const ema_session_config_t* config, const ema_result_t
         ema_real half_95 = EMA_R(0.0);
         (void)ema_session_half_95(config, from, i, &half_95);
         to->half_95[i] = (double)half_95;
+        to->scatter_percent[i] = (double)from->identified[i].scatter_percent;
     }
     to->objective_before = (double)from->objective_before;
     to->objective_after = (double)from->objective_after;

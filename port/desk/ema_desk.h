@@ -115,6 +115,7 @@ typedef struct {
     uint64_t random_state;
     double bias[4];    /* of the estimates, as in ema_estimate_t */
     double half_95[4]; /* of their 95 % intervals: see ema_session_half_95 */
+    double scatter_percent[4];
 } ema_desk_result_t;
 
 /* A table of signatures as ema_signatures_t has it. Each row of `pattern` is effect, first, rows, one_sided, turn[3],

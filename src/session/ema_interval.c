@@ -4,7 +4,6 @@
 #include "ema/ema_session.h"
 
 #include "ema_math.h"
-#include "ema_scatter.h"
 
 /* Standard deviations on either side that hold 95 % of a normal distribution. */
 #define EMA_WIDTH_95 EMA_R(1.96)
@@ -31,7 +30,7 @@ ema_status_t ema_session_half_95(const ema_session_config_t* config, const ema_r
     ema_real healthy = EMA_R(0.0);
     (void)ema_actuator_get(config->actuator, identified->id, &healthy);
     const ema_real value = ema_max(ema_abs(estimate->estimate), ema_abs(healthy));
-    const ema_real scatter = (ema_scatter_percent(&config->actuator->params, identified->id) / EMA_R(100.0)) * value;
+    const ema_real scatter = (estimate->scatter_percent / EMA_R(100.0)) * value;
     /* three standard deviations of it, of the healthy value, in ten thousandths */
     const ema_real unseen =
         ((config->actuator->params.unseen_percent * identified->min_shift_percent) / EMA_UNSEEN_STDS) * healthy;

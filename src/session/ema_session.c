@@ -9,6 +9,7 @@
 #include "ema_math.h"
 #include "ema_record_row.h"
 #include "ema_runs.h"
+#include "ema_today.h"
 #include "ema_verdict.h"
 
 /* Farther from the ground test's mean speed a command is another one: rounding, and a rest before or after, are less.
@@ -261,6 +262,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
         estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
     }
+    ema_today(config, result);
     result->objective_before = session->healthy_cost;
     result->objective_after = session->annealer.best.cost;
     result->residual_rms_mm = assessed.residual_rms_mm;

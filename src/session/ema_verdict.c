@@ -2,7 +2,6 @@
 
 #include "ema_bounds.h"
 #include "ema_math.h"
-#include "ema_scatter.h"
 
 /* A node of a learned table stands for half a distance between nodes on either side of it, a thirtieth of the range. */
 #define EMA_OUTSIDE_MAX EMA_R(0.0334)
@@ -16,7 +15,7 @@ static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const e
     const ema_real threshold_percent = identified->min_shift_percent;
     /* a sound machine that scatters so reads farther off than its threshold, to either side */
     const ema_real sound_percent =
-        ema_max(threshold_percent, params->confidence_std * ema_scatter_percent(params, identified->id));
+        ema_max(threshold_percent, params->confidence_std * estimate->scatter_percent);
     const ema_real doubt_percent = scatter_percent + ((estimate->bias * EMA_R(100.0)) / ema_abs(healthy))
                                    + ((params->unseen_percent / EMA_R(100.0)) * threshold_percent);
     /* every comparison is written so that NaN never counts as healthy */

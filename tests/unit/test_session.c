@@ -228,7 +228,7 @@ static void test_interval_holds_noise_bias_and_scatter(void)
 {
     truth_t truth = truth_of(EMA_R(0.3), EMA_R(0.033));
     truth.noise_mm = healthy.params.position_noise_mm;
-    const ema_result_t result = identify(&truth);
+    ema_result_t result = identify(&truth);
     const double healthy_value[2] = {0.138, 0.033};
     for (uint32_t i = 0; i < 2U; ++i) {
         const ema_estimate_t* const found = &result.identified[i];
@@ -237,6 +237,7 @@ static void test_interval_holds_noise_bias_and_scatter(void)
     }
     healthy.params.csj_scatter_percent = EMA_R(1.0);
     healthy.params.blk_scatter_percent = EMA_R(2.0);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));
     for (uint32_t i = 0; i < 2U; ++i) {
         const ema_estimate_t* const found = &result.identified[i];
         const double known = hypot((double)found->std, (double)found->bias);
@@ -260,6 +261,7 @@ static void test_interval_holds_noise_bias_and_scatter(void)
     EMA_ASSERT_CLOSE(healthy.params.csj_upper_Nm - healthy.params.csj_lower_Nm, half_95_of(&doubted, 0U), 0.0, 1.0e-6);
     config.identified[1].id = EMA_VALUE_ID(resistance_ohm);
     healthy.params.unseen_percent = EMA_R(0.0);
+    result.identified[1].scatter_percent = EMA_R(0.0);
     const double other = hypot((double)result.identified[1].std, (double)result.identified[1].bias);
     EMA_ASSERT_CLOSE(1.96 * other, half_95_of(&result, 1U), 0.0, 1.0e-5);
 }

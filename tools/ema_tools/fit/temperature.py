@@ -82,6 +82,21 @@ def _mixture(weights: Reals, means: Reals, variances: Reals, by_temperature: flo
 
 
 @dataclass(frozen=True)
+class FrictionLaw:
+    """What a degree makes of dry friction, for a module that reads winding and grease beside it.
+
+    `per_degC` and its standard error `per_degC_std`: of a share of it; `std`: from run to run beside that; `winding_share`: of the winding in what both tell of the temperature; `apart_degC`:
+    farther apart they tell none.
+    """
+
+    per_degC: float
+    per_degC_std: float
+    std: float
+    winding_share: float
+    apart_degC: float
+
+
+@dataclass(frozen=True)
 class HealthyFriction:
     """What the healthy runs of a machine say of it: friction, winding and grease as read on each run, over their means, less 1, [runs].
 
@@ -126,14 +141,41 @@ class HealthyFriction:
 
     def any_day(self) -> Foretold:
         """The same on a day of which no thermometer tells: temperature is part of the scatter, as much as the healthy runs show of it."""
+        weights, variance_degC = self._by_days
+        variances = (self._own[:, None, None] + _SLOPES[:, None] ** 2 * variance_degC) * self._widened
+        return _mixture(weights, np.zeros_like(weights), variances, 0.0)
+
+    def any_told_day(self) -> Foretold:
+        """How far it lies from what `law` foretells, on a day of which the thermometers tell: its temperature differs from the healthy runs' as far as those show."""
+        weights, variance_degC = self._by_days
+        variances = self._of_a_run[:, :, None] + ((_SLOPES[:, None] - self.law.per_degC) * np.sqrt(variance_degC)) ** 2
+        return _mixture(weights, np.zeros_like(weights), variances * self._widened, 0.0)
+
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """What firmware needs to bring a reading to the temperature of the healthy runs."""
+        weights = _weights(self._fits)
+        by_factor, by_slope = weights.sum(axis=1), weights.sum(axis=0)
+        slope = float(by_slope @ _SLOPES)
+        at_mean = _mixture(weights, np.zeros_like(weights), self._of_a_run * self._widened, 0.0)
+        by_winding, by_grease = self._thermometers
+        usual_degC = _AGREE * math.sqrt(float(by_factor @ _FACTORS**2) * self._widened * (by_winding + by_grease))
+        return FrictionLaw(
+            per_degC=slope,
+            per_degC_std=math.sqrt(float(by_slope @ (_SLOPES - slope) ** 2)),
+            std=at_mean.std,
+            winding_share=by_grease / (by_winding + by_grease),
+            apart_degC=usual_degC,
+        )
+
+    @cached_property
+    def _by_days(self) -> tuple[Reals, Reals]:
+        """Weights of every factor, slope and size of the days' differences, [factors, slopes, sizes], and those sizes squared, degC^2."""
         warmth = self._warmth
-        # how far days differ in temperature: every size counts by how well it fits, [factors, sizes]
         variance = _FACTORS[:, None] ** 2 * self._reading_variance + _DAYS_DEGC**2
         fits = -0.5 * (warmth.size - 1) * np.log(variance) - 0.5 * float(warmth @ warmth) / variance
         fits -= 0.5 * (np.log(_DAYS_DEGC / self._usual_day_degC) / _DAYS_SPREAD) ** 2
-        weights = _weights(self._fits[:, :, None] + fits[:, None, :])
-        variances = (self._own[:, None, None] + (_SLOPES[:, None] * _DAYS_DEGC) ** 2) * self._widened
-        return _mixture(weights, np.zeros_like(weights), variances, 0.0)
+        return _weights(self._fits[:, :, None] + fits[:, None, :]), _DAYS_DEGC**2
 
     @cached_property
     def _fits(self) -> Reals:

@@ -121,6 +121,7 @@ class _Result(ctypes.Structure):
         ("random_state", c_uint64),
         ("bias", c_double * IDENTIFIED_MAX),
         ("half_95", c_double * IDENTIFIED_MAX),
+        ("scatter_percent", c_double * IDENTIFIED_MAX),
     ]
 
 
@@ -303,7 +304,8 @@ class Finding:
 class IdentifiedValue:
     """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value.
 
-    `bias`: how far it may be off besides, in its own unit, for what lasts in the residual; NaN as the standard error. `half_95`: half of the 95 % interval that firmware states.
+    `bias`: how far it may be off besides, in its own unit, for what lasts in the residual; NaN as the standard error. `half_95`: half of the 95 % interval that firmware states;
+    `scatter_percent`: by how much a sound machine is read apart on such a day, standard deviation in % of the healthy value, as the actuator states it.
     """
 
     name: str
@@ -313,6 +315,7 @@ class IdentifiedValue:
     at_bound: bool
     bias: float = math.nan
     half_95: float = math.nan
+    scatter_percent: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -686,6 +689,7 @@ class Library:
                 bool(result.at_bound[place]),
                 math.nan if math.isnan(std) else result.bias[place],
                 math.nan if math.isnan(std) else result.half_95[place],
+                result.scatter_percent[place],
             )
             for place, std in enumerate(stds)
         )

@@ -116,7 +116,8 @@ class Identified:
 
     def _stated(self, name: str) -> float:
         """The same as the unit's own model states it; zero where it does not, or healthy records show it."""
-        return 0.01 * self.healthy[SCATTERS[name]] * abs(self.healthy[name]) if name in SCATTERS and not self._shown else 0.0
+        percent = next((one.scatter_percent for one in self.answer.identified if one.name == name), 0.0)
+        return 0.0 if self._shown else 0.01 * percent * abs(self.healthy[name])
 
     def _unseen(self, name: str) -> float:
         """What the unit's own model states of what its ground test does not show, one standard deviation."""

@@ -15,6 +15,10 @@ BOUNDS = {"screw.csj_Nm": ("search.csj_lower_Nm", "search.csj_upper_Nm"), "screw
 MIN_SHIFTS = {"screw.csj_Nm": "verdict.csj_min_shift_percent", "screw.blk_mm": "verdict.blk_min_shift_percent"}
 SCATTERS = {"screw.csj_Nm": "verdict.csj_scatter_percent", "screw.blk_mm": "verdict.blk_scatter_percent"}
 DAY_VALUES = "search.day_values"
+# What a degree makes of CSJ, for a search that reads winding and grease beside it.
+DAY_SCATTER = "verdict.csj_day_scatter_percent"
+PER_DEGC, PER_DEGC_STD = "verdict.csj_per_degC_percent", "verdict.csj_per_degC_std_percent"
+WINDING_SHARE, APART_DEGC = "verdict.day_winding_ratio", "verdict.day_apart_degC"
 POSITION_NOISE = "verdict.position_noise_mm"
 SHARED_NOISE = "verdict.shared_noise_mm"
 COMMAND_SPEED = "verdict.command_speed_mm_s"

@@ -24,7 +24,7 @@ from ema_tools.fit.detection import FALSE_ALARM, ShiftTest, beyond, false_alarms
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.fit.shared_noise import shared_noise
-from ema_tools.fit.temperature import Foretold
+from ema_tools.fit.temperature import Foretold, HealthyFriction
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import Identification, SearchSettings, library
 from ema_tools.select.baseline import gather
@@ -33,14 +33,19 @@ from ema_tools.select.known_machine import Compared, live, repeats_of
 from ema_tools.tasks.calibrate import Calibration, FittedParameter, channel_errors
 from ema_tools.tasks.healthy_runs import DRY, clipped, friction_of, least_shift, scatter_read, thermometers
 from ema_tools.tasks.onboard_search import (
+    APART_DEGC,
     COMMAND_SPEED,
+    DAY_SCATTER,
     DAY_VALUES,
     MIN_SHIFTS,
+    PER_DEGC,
+    PER_DEGC_STD,
     POSITION_NOISE,
     SCATTERS,
     SHARED_NOISE,
     STRUCTURE,
     UNSEEN,
+    WINDING_SHARE,
     check_bounds,
     check_kept,
     identified_of,
@@ -50,6 +55,8 @@ from ema_tools.tasks.onboard_search import (
 _TIMED_RUNS = 5  # of which the shortest counts [effort]
 _DAY_BUDGET = 800.0  # model runs of a search for four values, which takes about 300 [effort]
 _DETERMINED = 0.1  # of a value: a larger standard error, and it is better left where it is [judgement]
+_STEEPEST = 0.01  # of dry friction a degree: what the module takes for temperature's doing at the most [judgement]
+_FARTHEST_DEGC = 50.0  # that winding and grease may disagree as the module has it: no day is farther off [judgement]
 _BUDGET = "search.evaluation_budget"
 
 
@@ -111,7 +118,7 @@ def own_machine(
     shared_mm = shared_noise(rest - rest.mean(axis=0)) * math.sqrt(len(rest) / (len(rest) - 1.0))
     found = found.changed({SHARED_NOISE: max(found[SHARED_NOISE], shared_mm)})
     # what the onboard search reads wrongly of a unit, it reads wrongly of its healthy runs as well
-    found = found.changed({name: _mean(answers, place) for place, name in enumerate(names)})
+    found = found.changed(_means(answers))
     own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
     today = [{one.name: one.estimate for one in answer.day} for answer in answers]
     known = Compared(evidence, repeats, signals)
@@ -119,6 +126,7 @@ def own_machine(
     foretold: dict[str, Foretold] = {}
     scatter: dict[str, float] = {}
     by_noise: dict[str, float] = {}
+    law: dict[str, float] = {}
     for place, name in enumerate(names):
         read = [answer.identified[place] for answer in answers]
         noise = float(np.mean([one.std for one in read]))
@@ -129,17 +137,29 @@ def own_machine(
         by_noise[name] = noise / found[name]
         stated_or_usual = math.hypot(own_scatter.get(name, 0.0), noise)
         scatter[name] = scatter_read(found, name, [one.estimate for one in read], today, stated_or_usual) / found[name]
-        friction = friction_of(found, [one.estimate for one in read], noise, warmth) if name == DRY else None
-        if friction is not None:
-            foretold[name] = friction.any_day()
-            scatter[name] = foretold[name].std / ShiftTest(runs=len(repeats)).spread()
+        if name == DRY:
+            # the module reads winding and grease by itself where they are searched; else nobody tells it what the day is like
+            friction = friction_of(found, [one.estimate for one in read], noise, today)
+            is_told = friction is not None and abs(friction.law.per_degC) <= _STEEPEST and friction.any_told_day().std < friction.any_day().std
+            if not is_told:
+                friction = friction_of(found, [one.estimate for one in read], noise, warmth)
+            if friction is not None:
+                foretold[name] = friction.any_told_day() if is_told else friction.any_day()
+                scatter[name] = foretold[name].std / ShiftTest(runs=len(repeats)).spread()
+                law = _law(friction, by_noise[name], is_told)
     runs = len(repeats)
     apart = {name: 100.0 * _apart(found, name, scatter[name], by_noise[name], runs) for name in names}
+    stated = {SCATTERS[name]: value for name, value in apart.items()} | law
     asked = float(np.mean([np.mean(np.abs(np.diff(one.command_mm))) / one.period_s for one in repeats]))
     least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
     for name, one in foretold.items():
         wanted = 100.0 * one.within(beyond(FALSE_ALARM if false_alarm is None else false_alarm))
         least[name] = clipped(found[MIN_SHIFTS[name]], wanted) if false_alarm is None else wanted
+    shown_mm = math.hypot(found[STRUCTURE] * found[POSITION_NOISE], found[SHARED_NOISE])
+    unseen = dict(zip(names, unseen_by_search(found, repeats[0], names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))
+    if false_alarm is None:
+        # what is not shown makes no sound unit a faulty one
+        least = {name: max(one, clipped(found[MIN_SHIFTS[name]], unseen[name])) for name, one in least.items()}
     exceeded = {
         name: foretold[name].beyond(0.01 * least[name])
         if name in foretold
@@ -147,8 +167,6 @@ def own_machine(
         for name in names
     }
     test = ShiftTest(runs=runs)
-    shown_mm = math.hypot(found[STRUCTURE] * found[POSITION_NOISE], found[SHARED_NOISE])
-    unseen = dict(zip(names, unseen_by_search(found, repeats[0], names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))
     thresholds = max(unseen[name] / least[name] for name in names)
     sure = found["verdict.confidence_std"]
     certain = {name: sure * by_noise[name] + test.missed() * scatter[name] for name in names}
@@ -160,7 +178,7 @@ def own_machine(
                 # less than a threshold makes no sound unit a faulty one
                 UNSEEN: 100.0 * thresholds if thresholds > 1.0 else 0.0,
                 **{MIN_SHIFTS[name]: value for name, value in least.items()},
-                **{SCATTERS[name]: value for name, value in apart.items()},
+                **stated,
             },
             remarks={MIN_SHIFTS[name]: _remark(MIN_SHIFTS[name], exceeded[name], runs) for name in names},
         ),
@@ -178,8 +196,10 @@ def own_machine(
     )
 
 
-def _mean(answers: Sequence[Identification], place: int) -> float:
-    return float(np.mean([answer.identified[place].estimate for answer in answers]))
+def _means(answers: Sequence[Identification]) -> dict[str, float]:
+    """What was read of each value, of the day's as well, by name."""
+    read = [{one.name: one.estimate for one in (*answer.identified, *answer.day)} for answer in answers]
+    return {name: float(np.mean([one[name] for one in read])) for name in read[0]}
 
 
 def _apart(found: Actuator, name: str, scatter: float, noise: float, runs: int) -> float:
@@ -187,6 +207,25 @@ def _apart(found: Actuator, name: str, scatter: float, noise: float, runs: int) 
     is_known = name in found.scatter or share_from_run_to_run(found, name) == 0.0
     # runs that lie nearer together than the noise allows do so by chance
     return math.sqrt((ShiftTest(runs=runs).spread(is_known) * max(scatter, noise)) ** 2 - noise**2)
+
+
+def _law(friction: HealthyFriction, noise: float, is_told: bool) -> dict[str, float]:
+    """What the module states of friction's scatter on any day and, where it is told the day's temperature, what it makes of that; by name. `noise`: relative, which the session counts itself."""
+
+    def beside_noise(std: float) -> float:
+        return 100.0 * math.sqrt(max(std**2 - noise**2, 0.0))
+
+    any_day = {SCATTERS[DRY]: beside_noise(friction.any_day().std)}
+    if not is_told:
+        return any_day
+    law = friction.law
+    return any_day | {
+        DAY_SCATTER: beside_noise(law.std),
+        PER_DEGC: 100.0 * law.per_degC,
+        PER_DEGC_STD: 100.0 * law.per_degC_std,
+        WINDING_SHARE: law.winding_share,
+        APART_DEGC: min(law.apart_degC, _FARTHEST_DEGC),
+    }
 
 
 def _remark(name: str, exceeded: float, runs: int) -> str:
