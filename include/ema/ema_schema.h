@@ -12,7 +12,7 @@
 #ifdef EMA_OWN_EFFECTS
 #error "EMA_OWN_EFFECTS lengthens the lists: build with CMake, or define EMA_CONFIG_SCHEMA as CMake prints it."
 #endif
-#define EMA_CONFIG_SCHEMA 0x99b1b352U
+#define EMA_CONFIG_SCHEMA 0x54d1750eU
 #endif
 
 #endif

@@ -149,6 +149,7 @@ class Measured:
     counts: dict[str, float]
     code: int
     whole: int
+    whole_flags: str
     bare: int
     fixed: int
     stacks: dict[str, tuple[int, tuple[str, ...]]]
@@ -190,7 +191,7 @@ class Measured:
             Target("code", "code and constants with all effects", 24 * 1024, self.code, "bytes"),
             Target(
                 "whole",
-                "the same compiled and linked as one, `-flto -fno-tree-loop-distribute-patterns -fno-ipa-cp -fno-reorder-blocks -fno-tree-dominator-opts`: no bit of an answer moves",
+                f"the same compiled and linked as one, `{self.whole_flags}`: no bit of an answer moves",
                 24 * 1024,
                 self.whole,
                 "bytes",
@@ -361,7 +362,7 @@ def measure(given: argparse.Namespace) -> Measured:
         )
         for level, program, objects in given.level
     ]
-    return Measured(given.compiler, counts, code, whole, bare, fixed, stacks, guarded, day, squares, tuple(levels), worst_of(looked.output))
+    return Measured(given.compiler, counts, code, whole, given.whole_flags, bare, fixed, stacks, guarded, day, squares, tuple(levels), worst_of(looked.output))
 
 
 def grouped(value: float) -> str:
@@ -821,6 +822,7 @@ def main() -> int:
     parser.add_argument("--bare", type=Path, required=True, help="the program ema_flash without effects")
     parser.add_argument("--fixed", type=Path, required=True, help="the same with everything fixed that can be")
     parser.add_argument("--whole", type=Path, required=True, help="the program ema_flash, compiled as one by -flto")
+    parser.add_argument("--whole-flags", required=True, help="what that was compiled by beside the usual")
     parser.add_argument("--guarded", type=Path, required=True, help="the program ema_flash_guarded")
     parser.add_argument("--guarded-object", type=Path, required=True, help="the object file of ema_flash_guarded.c alone")
     parser.add_argument(

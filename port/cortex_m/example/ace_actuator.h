@@ -5,7 +5,7 @@
 #include "ema/ema_actuator.h"
 #include "ema/ema_schema.h"
 
-#if EMA_CONFIG_SCHEMA != 0x99b1b352U
+#if EMA_CONFIG_SCHEMA != 0x54d1750eU
 #error "EMA_ACTUATOR: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h"
 #endif
 
@@ -58,6 +58,11 @@ static const ema_actuator_t EMA_ACTUATOR = {
         .blk_min_shift_percent = EMA_R(10.0), /* 10 % */
         .csj_scatter_percent = EMA_R(0.0), /* 0 % */
         .blk_scatter_percent = EMA_R(0.0), /* 0 % */
+        .csj_day_scatter_percent = EMA_R(0.0), /* 0 % */
+        .csj_per_degC_percent = EMA_R(0.0), /* 0 % */
+        .csj_per_degC_std_percent = EMA_R(0.0), /* 0 % */
+        .day_winding_ratio = EMA_R(0.0), /* 0 */
+        .day_apart_degC = EMA_R(0.0), /* 0 degC */
         .command_speed_mm_s = EMA_R(0.0), /* 0 mm/s */
         .unseen_percent = EMA_R(0.0), /* 0 % */
         .position_noise_mm = EMA_R(0x1.47ae147ae147bp-8), /* 0.005 mm */

@@ -6,7 +6,7 @@
 #include "ema/ema_onboard.h"
 #include "ema/ema_schema.h"
 
-#if EMA_CONFIG_SCHEMA != 0x99b1b352U
+#if EMA_CONFIG_SCHEMA != 0x54d1750eU
 #error "EMA_SIGNATURES: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h --signatures FILE.h --healthy REC ..."
 #endif
 
@@ -2210,7 +2210,7 @@ static const int16_t ema_exported_values[] = {
 
 static const ema_signatures_t EMA_SIGNATURES = {
     .version = 1U,
-    .fingerprint = 886625190U,
+    .fingerprint = 2961111212U,
     .record_rows = 10000U,
     .bin_rows = 40U,
     .bins = 250U,
