@@ -135,10 +135,12 @@ typedef struct {
     ema_real winding_ohm; /* that the winding has gained since the record began, over the step */
     ema_rod_t rod;
     ema_span_t span;
-    ema_series_t series;
+    union {
+        ema_params_t params; /* as the effects leave them: while a model is prepared */
+        ema_series_t series; /* while it runs */
+    };
     ema_real
         terms[EMA_SERIES_TERMS + 1U]; /* of the series that is made of these: the angle's, or that of what is sought */
-    ema_params_t params;              /* as the effects leave them: while a model is prepared */
 } ema_work_t;
 
 #endif

@@ -140,7 +140,7 @@ def own_machine(
         if name == DRY:
             # the module reads winding and grease by itself where they are searched; else nobody tells it what the day is like
             friction = friction_of(found, [one.estimate for one in read], noise, today)
-            is_told = friction is not None and abs(friction.law.per_degC) <= _STEEPEST and friction.any_told_day().std < friction.any_day().std
+            is_told = friction is not None and abs(friction.law.per_degC) <= _STEEPEST
             if not is_told:
                 friction = friction_of(found, [one.estimate for one in read], noise, warmth)
             if friction is not None:
