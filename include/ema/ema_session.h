@@ -85,6 +85,7 @@ enum {
 typedef struct {
     ema_real estimate; /* in the parameter's own unit; CSJ as at the temperature of the healthy runs, where the actuator
                           says what a degree does to it and grease and winding are searched beside it */
+    ema_real today;    /* as the search reads it: the model's own value on the record's day */
     ema_real std;      /* standard error from the residual and the sensitivities */
     ema_real bias;     /* how far it may be off besides, for what lasts in the residual: see ema_sensitivity.h */
     ema_real scatter_percent; /* how far a sound machine is read apart today, standard deviation in % of the healthy

@@ -353,6 +353,7 @@ static void ema_result_to(const ema_session_config_t* config, const ema_result_t
         (void)ema_session_half_95(config, from, i, &half_95);
         to->half_95[i] = (double)half_95;
         to->scatter_percent[i] = (double)from->identified[i].scatter_percent;
+        to->today[i] = (double)from->identified[i].today;
     }
     to->objective_before = (double)from->objective_before;
     to->objective_after = (double)from->objective_after;

@@ -116,6 +116,7 @@ typedef struct {
     double bias[4];    /* of the estimates, as in ema_estimate_t */
     double half_95[4]; /* of their 95 % intervals: see ema_session_half_95 */
     double scatter_percent[4];
+    double today[4];
 } ema_desk_result_t;
 
 /* A table of signatures as ema_signatures_t has it. Each row of `pattern` is effect, first, rows, one_sided, turn[3],

@@ -257,6 +257,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         const ema_real x = session->annealer.best.x[i];
         const ema_real healthy = ema_value_of(config->actuator, config->identified[i].id);
         estimate->estimate = ema_identified_at(&config->identified[i], x);
+        estimate->today = estimate->estimate;
         estimate->std = assessed.std[i];
         estimate->bias = assessed.bias[i];
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);

@@ -1,5 +1,8 @@
 /* Grease and winding beside CSJ and BLK: a warm day is no fault, and a search without them is what it was. */
 #include "ema/ema_session.h"
+
+#include <math.h>
+
 #include "ema_rig.h"
 
 #define ROWS 10000U
@@ -69,6 +72,31 @@ static void test_wear_on_a_cold_day_is_a_fault_of_its_true_size(void)
     TEST_ASSERT_FLOAT_WITHIN(2.0, 50.0, (float)result.identified[1].shift_percent);
 }
 
+/* 16 degrees colder, of which copper loses 6.3 % and a grease gains 57 %; the friction of this machine gains 1 % a
+ * degree. */
+static void test_friction_of_a_cold_day_is_stated_as_at_the_temperature_of_the_healthy_runs(void)
+{
+    healthy.params.csj_per_degC_percent = EMA_R(-1.0);
+    healthy.params.csj_per_degC_std_percent = EMA_R(0.1);
+    healthy.params.csj_day_scatter_percent = EMA_R(0.5);
+    healthy.params.day_winding_ratio = EMA_R(0.2);
+    healthy.params.day_apart_degC = EMA_R(5.0);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_config_day(&config));
+    identify(EMA_R(1.16), EMA_R(1.0), EMA_R(1.565), EMA_R(0.937));
+    TEST_ASSERT_EQUAL(EMA_VERDICT_HEALTHY, result.verdict);
+    TEST_ASSERT_FLOAT_WITHIN(0.5, 0.0, (float)result.identified[0].shift_percent);
+    TEST_ASSERT_FLOAT_WITHIN(0.001, 0.138, (float)result.identified[0].estimate);
+    TEST_ASSERT_FLOAT_WITHIN(0.001, 1.16 * 0.138, (float)result.identified[0].today);
+    TEST_ASSERT_FLOAT_WITHIN(0.1, sqrt((0.5 * 0.5) + (1.6 * 1.6)), (float)result.identified[0].scatter_percent);
+    identify(EMA_R(1.508), EMA_R(1.0), EMA_R(1.565), EMA_R(0.937));
+    TEST_ASSERT_EQUAL(EMA_VERDICT_FAULT, result.verdict);
+    TEST_ASSERT_FLOAT_WITHIN(0.7, 30.0, (float)result.identified[0].shift_percent);
+    /* aged grease at the temperature of the healthy runs */
+    identify(EMA_R(1.16), EMA_R(1.0), EMA_R(1.565), EMA_R(1.0));
+    TEST_ASSERT_FLOAT_WITHIN(0.5, 16.0, (float)result.identified[0].shift_percent);
+    TEST_ASSERT_TRUE(result.identified[0].estimate == result.identified[0].today);
+}
+
 static void test_without_the_option_nothing_is_added(void)
 {
     healthy.options.day_values = 0;
@@ -105,6 +133,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_warm_day_is_healthy_where_it_is_searched_for_and_not_where_it_is_not);
     RUN_TEST(test_wear_on_a_cold_day_is_a_fault_of_its_true_size);
+    RUN_TEST(test_friction_of_a_cold_day_is_stated_as_at_the_temperature_of_the_healthy_runs);
     RUN_TEST(test_without_the_option_nothing_is_added);
     RUN_TEST(test_a_value_that_the_actuator_has_not_is_not_searched);
     RUN_TEST(test_refusals_change_nothing);

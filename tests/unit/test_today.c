@@ -56,6 +56,7 @@ static void read_day(double winding_degC, double grease_degC, double csj)
             /* the play is healthy */
         }
         result.identified[i].estimate = value * (ema_real)times;
+        result.identified[i].today = result.identified[i].estimate;
         result.identified[i].shift_percent = (ema_real)(100.0 * (times - 1.0));
     }
     ema_today(&config, &result);
@@ -77,6 +78,7 @@ static void test_wear_on_a_warm_day_is_of_its_true_size(void)
     read_day(10.0, 10.0, 1.4 * (1.0 + (PER_DEGC * 10.0)));
     EMA_ASSERT_CLOSE(40.0, result.identified[0].shift_percent, 140.0 * LAW_APART, 0.0);
     EMA_ASSERT_CLOSE(1.4 * 0.138, result.identified[0].estimate, LAW_APART * 1.4 * 0.138, 0.0);
+    EMA_ASSERT_CLOSE(1.33 * 0.138, result.identified[0].today, 0.0, 1.0e-6);
 }
 
 /* Each tells the temperature by its own share. */

@@ -92,6 +92,42 @@ def test_a_day_of_unknown_temperature_has_it_in_its_scatter() -> None:
     assert 0.91 <= np.mean(held) <= 0.99
 
 
+@pytest.mark.parametrize("runs", [3, 5])
+@pytest.mark.parametrize("per_degC", [0.005, -0.003])
+def test_the_law_that_is_flown_brings_friction_to_the_temperature_of_the_runs(runs: int, per_degC: float) -> None:
+    """As the module does it: a reading over what a degree makes of it, the interval by the scatter and by how surely that is known."""
+    random = np.random.default_rng(47)
+    held, off, raw = [], [], []
+    for _ in range(TRIALS):
+        friction, winding, grease = draws(random, runs + 1, 2.0, 8.0, per_degC)
+        found = of_runs(friction[:-1], winding[:-1], grease[:-1], USUAL, NOISE)
+        law = found.law
+        by_winding = (winding[-1] / np.mean(winding[:-1]) - 1.0) / 0.00393
+        by_grease = -np.log(grease[-1] / np.mean(grease[:-1])) / 0.028
+        if abs(by_winding - by_grease) >= law.apart_degC:
+            continue
+        warmer = law.winding_share * by_winding + (1.0 - law.winding_share) * by_grease
+        raw.append(friction[-1] / np.mean(friction[:-1]) - 1.0)
+        off.append((1.0 + raw[-1]) / (1.0 + law.per_degC * warmer) - 1.0)
+        held.append(abs(off[-1]) <= 1.96 * np.hypot(law.std, law.per_degC_std * warmer))
+    # hardly a day is left out, and three standard errors of 300 trials about 95 %
+    assert len(held) > 0.95 * TRIALS
+    assert 0.91 <= np.mean(held) <= 0.99
+    # scatter of 0.8 % and its mean are left of what a swing of 16 degC made
+    assert np.std(off) < (0.8 if per_degC > 0.004 else 1.0) * np.std(raw)
+
+
+def test_a_told_day_scatters_no_more_than_its_friction_and_what_is_open_of_a_degree() -> None:
+    random = np.random.default_rng(53)
+    days = draws(random, 5, 2.0, 8.0, 0.005)
+    found = of_runs(*days, USUAL, NOISE)
+    assert found.law.std < found.any_told_day().std < found.any_day().std
+    # in the logarithm of friction, warmer is less
+    assert -0.009 < found.law.per_degC < 0.0
+    # the winding scatters by 0.8 degC, the grease by 0.4
+    assert found.law.winding_share == pytest.approx(0.18, abs=0.005)
+
+
 def test_where_winding_and_grease_disagree_it_may_be_as_warm_as_both_allow() -> None:
     """13 degC warmer with a grease that halves in 15: nothing is foretold, and what a degree may do to friction stays open."""
     runs = of_runs([0.14, 0.1404, 0.1397], [1.0, 1.001, 0.999], [1.0, 0.997, 1.004], USUAL, NOISE)

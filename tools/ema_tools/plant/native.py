@@ -122,6 +122,7 @@ class _Result(ctypes.Structure):
         ("bias", c_double * IDENTIFIED_MAX),
         ("half_95", c_double * IDENTIFIED_MAX),
         ("scatter_percent", c_double * IDENTIFIED_MAX),
+        ("today", c_double * IDENTIFIED_MAX),
     ]
 
 
@@ -305,7 +306,8 @@ class IdentifiedValue:
     """One identified value in its own unit, its standard error (NaN when the record does not determine it), and its shift in % of the healthy value.
 
     `bias`: how far it may be off besides, in its own unit, for what lasts in the residual; NaN as the standard error. `half_95`: half of the 95 % interval that firmware states;
-    `scatter_percent`: by how much a sound machine is read apart on such a day, standard deviation in % of the healthy value, as the actuator states it.
+    `scatter_percent`: by how much a sound machine is read apart on such a day, standard deviation in % of the healthy value, as the actuator states it. `today`: the value that explains the
+    record; of dry friction the estimate is that at the temperature of the healthy runs, where the actuator says what a degree does to it.
     """
 
     name: str
@@ -313,6 +315,7 @@ class IdentifiedValue:
     std: float
     shift_percent: float
     at_bound: bool
+    today: float
     bias: float = math.nan
     half_95: float = math.nan
     scatter_percent: float = 0.0
@@ -687,6 +690,7 @@ class Library:
                 std,
                 result.shift_percent[place],
                 bool(result.at_bound[place]),
+                result.today[place],
                 math.nan if math.isnan(std) else result.bias[place],
                 math.nan if math.isnan(std) else result.half_95[place],
                 result.scatter_percent[place],

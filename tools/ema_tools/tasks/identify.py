@@ -157,8 +157,9 @@ class Identified:
         shift = self.checked.shift.get(estimate.name) if self.checked is not None else None
         if shift is None:
             return False
-        std = estimate.std / abs(self.healthy[estimate.name])
-        return abs(shift - 0.01 * estimate.shift_percent) > max(self._least(estimate.name), 3.0 * (std if np.isfinite(std) else 0.0))
+        healthy = abs(self.healthy[estimate.name])
+        std = estimate.std / healthy
+        return abs(shift - (estimate.today / healthy - 1.0)) > max(self._least(estimate.name), 3.0 * (std if np.isfinite(std) else 0.0))
 
     def _least(self, name: str) -> float:
         return 0.01 * self.least_percent[name]
@@ -402,11 +403,11 @@ def identify(
     )
     found = known.changed(
         {
-            estimate.name: min(max(estimate.estimate, row_of(estimate.name).lower), row_of(estimate.name).upper)
+            estimate.name: min(max(estimate.today, row_of(estimate.name).lower), row_of(estimate.name).upper)
             for estimate in answer.identified
         }
     )
-    estimates = {estimate.name: estimate.estimate for estimate in answer.identified if estimate.name in KEYS}
+    estimates = {estimate.name: estimate.today for estimate in answer.identified if estimate.name in KEYS}
     searched = identified_of(known)
     given = dict(zip(searched, settings.min_shift_percent, strict=True)) if settings.min_shift_percent else {}
     least_percent = {name: known[MIN_SHIFTS[name]] for name in KEYS} | given

@@ -85,7 +85,7 @@ class _Objective:
         self.table = found.seen.table()
         every = (*found.answer.identified, *found.answer.day)
         self.names = tuple(one.name for one in every)
-        self.at = np.array([one.estimate for one in every])
+        self.at = np.array([one.today for one in every])
         ends = [_bounds(found, one.name) for one in every]
         self.lower, self.upper = (np.array([end[side] for end in ends]) for side in (0, 1))
         here = found.healthy.changed(dict(zip(self.names, np.clip(self.at, self.lower, self.upper).tolist(), strict=True)))
@@ -168,13 +168,13 @@ def _surface(objective: _Objective, found: Identified) -> Surface:
     axes = []
     for place, one in enumerate(found.answer.identified):
         healthy, half = found.healthy[one.name], _half(found, one)
-        room = max(_ROOM * abs(one.estimate - healthy), _LEAST_ROOM * healthy, 3.0 * half)
-        low = max(min(healthy, one.estimate) - room, float(objective.lower[place]))
-        high = min(max(healthy, one.estimate) + room, float(objective.upper[place]))
+        room = max(_ROOM * abs(one.today - healthy), _LEAST_ROOM * healthy, 3.0 * half)
+        low = max(min(healthy, one.today) - room, float(objective.lower[place]))
+        high = min(max(healthy, one.today) + room, float(objective.upper[place]))
         # denser near the estimate, where the valley is narrow
         steps = np.linspace(-1.0, 1.0, _MAP)
-        away = np.where(steps < 0.0, one.estimate - low, high - one.estimate)
-        axes.append(np.unique(one.estimate + np.sign(steps) * steps**2 * away))
+        away = np.where(steps < 0.0, one.today - low, high - one.today)
+        axes.append(np.unique(one.today + np.sign(steps) * steps**2 * away))
     ways = objective.along([0, 1])
     points = [
         objective.at + (first - objective.at[0]) * ways[0] + (second - objective.at[1]) * ways[1] for second in axes[1] for first in axes[0]

@@ -102,7 +102,8 @@ def own_machine(
     doubt = state_doubt(evidence, repeats)
     found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
     check_kept(actuator, found, repeats[0].file)
-    found = found.changed({}, actuator.about)
+    # what an earlier calibration knew of the days is learned anew
+    found = found.changed({APART_DEGC: 0.0}, actuator.about)
     left = np.array([one.position_mm - simulated(found, one).position_mm for one in repeats])
     noise_mm = max(found[POSITION_NOISE], float(np.max(np.sqrt(np.mean(left**2, axis=1)))))
     found = found.changed({POSITION_NOISE: noise_mm})
