@@ -46,7 +46,7 @@ MISSED = {
     "the next row leaves the modes out, too",
     "unit_tick": "its standing effects act in motion, so a step asks for their forces many times; a unit that has none costs what case A does",
     "unit_identify": "likewise; nothing waits for it but the answer, and its slices are as short as one likes",
-    "code": "since the limit was set four effects have come (0.9 KiB), intervals and a unit's ground test (0.3 KiB), optima on a bound (0.3 KiB); "
+    "code": "since the limit was set four effects have come (0.9 KiB), intervals and a unit's ground test (0.3 KiB), optima on a bound (0.3 KiB), what a degree makes of friction (0.3 KiB); "
     "the flags of the next row meet it, and -DEMA_EFFECTS leaves out what is not needed",
 }
 
