@@ -59,6 +59,9 @@ class OwnMachineEntry:
     doubt: str = ""  # why two runs may not both be healthy, in words
     # by which a reading of the rod position alone may be off under this command, by full name; empty where it is less than a threshold
     unseen_percent: dict[str, float] = field(default_factory=dict)
+    # what a degree more makes of CSJ, and the standard error of that; null where the rod position does not tell the day's temperature
+    csj_per_degC_percent: float | None = None
+    csj_per_degC_std_percent: float | None = None
 
 
 @dataclass(frozen=True)

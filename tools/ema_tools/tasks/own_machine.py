@@ -80,6 +80,16 @@ class OwnMachine:
     records: int
     doubt: str = ""
 
+    @property
+    def per_degC_percent(self) -> float | None:
+        """What a degree more makes of dry friction; None where the rod position does not tell the day's temperature."""
+        return self.actuator[PER_DEGC] if self.actuator[APART_DEGC] > 0.0 else None
+
+    @property
+    def per_degC_std_percent(self) -> float | None:
+        """The standard error of that."""
+        return None if self.per_degC_percent is None else self.actuator[PER_DEGC_STD]
+
 
 def repeated(records: Sequence[Record]) -> tuple[Record, ...]:
     """The records of that command which most of them run; none where no two run the same."""

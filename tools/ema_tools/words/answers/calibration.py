@@ -37,6 +37,8 @@ def calibration(found: Calibration, actuator: str, provenance: Provenance, own: 
             dict(own.found_percent),
             own.doubt,
             dict(own.unseen_percent),
+            own.per_degC_percent,
+            own.per_degC_std_percent,
         ),
         provenance=provenance,
     )

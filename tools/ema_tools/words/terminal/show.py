@@ -161,6 +161,12 @@ def own_machine(console: Console, own: OwnMachineEntry) -> None:
     )
     few = f"; uncertain with {own.records} runs: give {SURE_RECORDS} or more" if own.records < SURE_RECORDS else ""
     say(console, f"Its runs differ: {scatter}{few}.")
+    if own.csj_per_degC_percent is not None:
+        say(
+            console,
+            f"A degree warmer makes {number(own.csj_per_degC_percent, 2)} % of CSJ (standard error {number(own.csj_per_degC_std_percent, 2)} %), by winding and grease of these runs: "
+            "the onboard module states CSJ as at their temperature. Healthy runs on colder and warmer days make that surer.",
+        )
     for name, share in own.exceeded.items():
         say(
             console,
