@@ -65,7 +65,7 @@ int main(int argc, char* argv[])
         ema_finding_t finding = {0};
         result.identified_count = config.identified_count;
         for (uint32_t k = 0; k < result.identified_count; ++k) {
-            result.identified[k] = (ema_estimate_t){0.5F + (float)k, 0.25F, 0.125F, 12.5F, k == 1U};
+            result.identified[k] = (ema_estimate_t){.estimate = 0.5F + (float)k, .today = 0.5F, .std = 0.25F, .bias = 0.125F, .scatter_percent = 1.0F, .shift_percent = 12.5F, .at_bound = k == 1U};
         }
         result.identified[1].std = (ema_real)NAN;
         result.objective_after = 3.5F;

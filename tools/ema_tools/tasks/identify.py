@@ -102,7 +102,8 @@ class Identified:
         else the usual."""
         # what scatters does so by a share of itself
         shares = (self._scatters(name) and self._shown) or self._stated(name) > 0.0
-        grown = max(1.0, self.actuator[name] / self.healthy[name]) if shares else 1.0
+        value = next((one.estimate for one in self.answer.identified if one.name == name), self.actuator[name])
+        grown = max(1.0, value / self.healthy[name]) if shares else 1.0
         return grown * self.healthy_std(name)
 
     def healthy_std(self, name: str) -> float:

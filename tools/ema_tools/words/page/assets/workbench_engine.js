@@ -22,6 +22,7 @@ const EmaWorkbench = (() => {
     ["objective_after", "f64"], ["residual_rms_mm", "f64"], ["residual_correlation", "f64"], ["model_steps", "i64"], ["evaluations", "i32"],
     ["accepted", "i32"], ["accepted_uphill", "i32"], ["outcome", "i32"], ["verdict", "i32"], ["adequate", "i32"], ["reasons", "i32"],
     ["random_state", "u64"], ["bias", "f64", 4], ["half_95", "f64", 4],
+    ["scatter_percent", "f64", 4], ["today", "f64", 4],
   ];
   const STRUCTURES = { search: SEARCH, result: RESULT };
 
