@@ -155,6 +155,16 @@ def test_plainly_adequate_without_noise_stays_a_fault() -> None:
     assert found.checked is not None and found.checked.skipped == "every residual is as small as its sensor's noise"
 
 
+def test_by_a_data_sheet_alone_no_fault_is_stated_beside_an_effect_that_is_missing() -> None:
+    """20 mV of dead time move what the module reads by no more than its doubt, and the current shows them."""
+    known = reference_actuator()
+    changes = {"screw.csj_Nm": 1.25 * known["screw.csj_Nm"], "effects.inverter_dead_time.drop_V": 0.02}
+    noise = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
+    found = identify(known, chirp_record(known.changed(changes)).with_noise(noise, 3))
+    assert found.answer.verdict == "fault" and found.verdict == "undecided" and found.objection == "missing"
+    assert "inverter_dead_time" in sentence(found) and "all signals say CSJ +25.0 %" in sentence(found)
+
+
 def test_a_strange_answer_on_a_record_that_cannot_answer_says_why() -> None:
     """Command and rod position in inches agree with each other, and with a machine of hardly any friction; the motor's position does not."""
     record = chirp_record(reference_actuator().changed(WORN))

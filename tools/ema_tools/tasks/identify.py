@@ -142,7 +142,10 @@ class Identified:
         if checked.kind in ("unknown", "rival"):
             return checked.kind
         if checked.kind == "missing":
-            return "missing" if checked.withheld or not self.answer.adequate or any(map(self._moved, self.answer.identified)) else None
+            # a unit that is known by its data sheet alone has more than the effect that is named
+            by_sheet = checked.against == 0 and self.answer.verdict == "fault"
+            taken_back = checked.withheld or by_sheet or not self.answer.adequate
+            return "missing" if taken_back or any(map(self._moved, self.answer.identified)) else None
         if self.sound_by_scatter:
             return None
         if self.answer.verdict == "undecided":
