@@ -196,8 +196,6 @@ def _wrong(rows: Sequence[Row]) -> str:
     found = []
     for row in wrong[:60]:
         said = ", ".join(f"{_TITLES[name]} {one['shift']:+.1f} ({one['true']:+.0f})" for name, one in row["sizes"].items())
-        given = (
-            f"{row['build']}, {row['healthy']} healthy, {'position alone' if row['alone'] else 'four signals'}, {row['setting'] or 'white'}"
-        )
+        given = f"{row['build']}, {row['healthy']} healthy, {'position alone' if row['alone'] or row['kind'] == 'flight' else 'four signals'}, {row['setting'] or 'white'}"
         found.append((row["wrong"], row["command"], given, f"{row['disturbance'] or 'nothing'} {row['off']:+.2f}", row["verdict"], said))
     return "## Surely wrong\n\n" + table(("in what", "command", "given", "differs", "verdict", "said (true), %"), found, 1)
