@@ -14,8 +14,7 @@ static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const e
     const ema_real scatter_percent = (params->confidence_std * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
     const ema_real threshold_percent = identified->min_shift_percent;
     /* a sound machine that scatters so reads farther off than its threshold, to either side */
-    const ema_real sound_percent =
-        ema_max(threshold_percent, params->confidence_std * estimate->scatter_percent);
+    const ema_real sound_percent = ema_max(threshold_percent, params->confidence_std * estimate->scatter_percent);
     const ema_real doubt_percent = scatter_percent + ((estimate->bias * EMA_R(100.0)) / ema_abs(healthy))
                                    + ((params->unseen_percent / EMA_R(100.0)) * threshold_percent);
     /* every comparison is written so that NaN never counts as healthy */

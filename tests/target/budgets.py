@@ -362,7 +362,21 @@ def measure(given: argparse.Namespace) -> Measured:
         )
         for level, program, objects in given.level
     ]
-    return Measured(given.compiler, counts, code, whole, given.whole_flags, bare, fixed, stacks, guarded, day, squares, tuple(levels), worst_of(looked.output))
+    return Measured(
+        given.compiler,
+        counts,
+        code,
+        whole,
+        given.whole_flags,
+        bare,
+        fixed,
+        stacks,
+        guarded,
+        day,
+        squares,
+        tuple(levels),
+        worst_of(looked.output),
+    )
 
 
 def grouped(value: float) -> str:

@@ -285,6 +285,7 @@ def measured(**changed: float) -> budgets.Measured:
         counts,
         25_000,
         24_000,
+        "-flto",
         20_000,
         15_000,
         {"ema_session_run": (500, ("ema_session_run",))},
