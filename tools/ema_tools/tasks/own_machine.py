@@ -55,8 +55,6 @@ from ema_tools.tasks.onboard_search import (
 _TIMED_RUNS = 5  # of which the shortest counts [effort]
 _DAY_BUDGET = 800.0  # model runs of a search for four values, which takes about 300 [effort]
 _DETERMINED = 0.1  # of a value: a larger standard error, and it is better left where it is [judgement]
-_STEEPEST = 0.01  # of dry friction a degree: what the module takes for temperature's doing at the most [judgement]
-_FARTHEST_DEGC = 50.0  # that winding and grease may disagree as the module has it: no day is farther off [judgement]
 _BUDGET = "search.evaluation_budget"
 
 
@@ -121,15 +119,13 @@ def own_machine(
     names = identified_of(found)
     usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
     found, answers = _searched(found, repeats)
-    read_so = [
-        simulated(found.changed({one.name: one.estimate for one in (*answer.identified, *answer.day)}), run_).position_mm
-        for answer, run_ in zip(answers, repeats, strict=True)
-    ]
+    by_run = [{one.name: one.estimate for one in (*answer.identified, *answer.day)} for answer in answers]
+    read_so = [simulated(found.changed(values), run_).position_mm for values, run_ in zip(by_run, repeats, strict=True)]
     rest = np.array([one.position_mm for one in repeats]) - np.array(read_so)
     shared_mm = shared_noise(rest - rest.mean(axis=0)) * math.sqrt(len(rest) / (len(rest) - 1.0))
     found = found.changed({SHARED_NOISE: max(found[SHARED_NOISE], shared_mm)})
     # what the onboard search reads wrongly of a unit, it reads wrongly of its healthy runs as well
-    found = found.changed(_means(answers))
+    found = found.changed({name: float(np.mean([values[name] for values in by_run])) for name in by_run[0]})
     own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
     today = [{one.name: one.estimate for one in answer.day} for answer in answers]
     known = Compared(evidence, repeats, signals)
@@ -151,13 +147,13 @@ def own_machine(
         if name == DRY:
             # the module reads winding and grease by itself where they are searched; else nobody tells it what the day is like
             friction = friction_of(found, [one.estimate for one in read], noise, today)
-            is_told = friction is not None and abs(friction.law.per_degC) <= _STEEPEST
+            is_told = friction is not None and abs(100.0 * friction.law.per_degC) <= row_of(PER_DEGC).upper
             if not is_told:
                 friction = friction_of(found, [one.estimate for one in read], noise, warmth)
             if friction is not None:
                 foretold[name] = friction.any_told_day() if is_told else friction.any_day()
                 scatter[name] = foretold[name].std / ShiftTest(runs=len(repeats)).spread()
-                law = _law(friction, by_noise[name], is_told)
+                law = _law(friction, by_noise[name]) if is_told else {}
     runs = len(repeats)
     apart = {name: 100.0 * _apart(found, name, scatter[name], by_noise[name], runs) for name in names}
     stated = {SCATTERS[name]: value for name, value in apart.items()} | law
@@ -207,12 +203,6 @@ def own_machine(
     )
 
 
-def _means(answers: Sequence[Identification]) -> dict[str, float]:
-    """What was read of each value, of the day's as well, by name."""
-    read = [{one.name: one.estimate for one in (*answer.identified, *answer.day)} for answer in answers]
-    return {name: float(np.mean([one[name] for one in read])) for name in read[0]}
-
-
 def _apart(found: Actuator, name: str, scatter: float, noise: float, runs: int) -> float:
     """How far a sound unit is read off its model beside the sensor noise, of which the session counts its own: standard deviation of a share, by the `scatter` of readings."""
     is_known = name in found.scatter or share_from_run_to_run(found, name) == 0.0
@@ -220,22 +210,20 @@ def _apart(found: Actuator, name: str, scatter: float, noise: float, runs: int) 
     return math.sqrt((ShiftTest(runs=runs).spread(is_known) * max(scatter, noise)) ** 2 - noise**2)
 
 
-def _law(friction: HealthyFriction, noise: float, is_told: bool) -> dict[str, float]:
-    """What the module states of friction's scatter on any day and, where it is told the day's temperature, what it makes of that; by name. `noise`: relative, which the session counts itself."""
+def _law(friction: HealthyFriction, noise: float) -> dict[str, float]:
+    """What the module states of friction's scatter, on any day and beside what it makes of the day's temperature; by name. `noise`: relative, which the session counts itself."""
 
     def beside_noise(std: float) -> float:
         return 100.0 * math.sqrt(max(std**2 - noise**2, 0.0))
 
-    any_day = {SCATTERS[DRY]: beside_noise(friction.any_day().std)}
-    if not is_told:
-        return any_day
     law = friction.law
-    return any_day | {
+    return {
+        SCATTERS[DRY]: beside_noise(friction.any_day().std),
         DAY_SCATTER: beside_noise(law.std),
         PER_DEGC: 100.0 * law.per_degC,
         PER_DEGC_STD: 100.0 * law.per_degC_std,
         WINDING_SHARE: law.winding_share,
-        APART_DEGC: min(law.apart_degC, _FARTHEST_DEGC),
+        APART_DEGC: min(law.apart_degC, row_of(APART_DEGC).upper),
     }
 
 
