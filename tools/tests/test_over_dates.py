@@ -126,5 +126,7 @@ def test_the_command_takes_results_of_two_days(tmp_path: Path) -> None:
     first, second = tmp_path / "2026-05-01.json", tmp_path / "2026-06-01.json"
     assert run_ema("report", first, second, "-o", tmp_path / "page.html").code == 0
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert "2 results; the last that counts reads CSJ +21" in page and "days since 2026-05-01" in page
+    change = json.loads(second.read_text(encoding="utf-8"))["csj_Nm"]["shift_percent"]
+    assert change > 15.0
+    assert f"2 results; the last that counts reads CSJ {change:+.1f} %" in page and "days since 2026-05-01" in page
     assert json.loads(first.read_text(encoding="utf-8"))["csj_Nm"]["threshold_percent"] == 5.0
