@@ -92,10 +92,14 @@ class Identified:
         stands = self.checked.open.get(one.name) if self.checked is not None else None
         if stands is not None and math.isfinite(stands.beyond):
             bias = math.hypot(bias, stands.beyond, stands.moved)
-        if self._shown and math.isfinite(one.std):
-            # how the same search reads healthy records apart has their noise in it
-            return interval95(one.estimate, bias, max(one.std, self.day_std(one.name)))
-        return interval95(one.estimate, one.std, bias, self.day_std(one.name))
+        # how the same search reads healthy records apart has their noise in it
+        day = (
+            max(one.std, self.day_std(one.name)) if self._shown and math.isfinite(one.std) else math.hypot(one.std, self.day_std(one.name))
+        )
+        low, high = interval95(one.estimate, bias, day)
+        if stands is None or low is None or high is None:
+            return low, high
+        return one.estimate - math.hypot(one.estimate - low, stands.below), one.estimate + math.hypot(high - one.estimate, stands.above)
 
     def day_std(self, name: str) -> float:
         """By how much a machine's value is read apart from run to run, against the mean of its healthy records where there are two or more: as the actuator states, as those records show it,

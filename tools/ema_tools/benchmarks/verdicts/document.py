@@ -48,7 +48,7 @@ that the library does not have (Stribeck after Gauss, a smooth dead time, a wind
 setting "scatter" by four times that and by +-8 degC. A worn day has CSJ +20 %, BLK +50 %, or CSJ +40 % and BLK +100 %.
 
 An answer is surely wrong that calls a unit healthy with CSJ +10 % or BLK +20 % and beyond, calls a unit faulty with neither above its threshold (5 and 10 %), or states for a fault a size that is
-far off (5 % of CSJ, 15 % of BLK) and farther than one and a half times its 95 % interval. Undecided, with its reason, is honest but of no use: its share is stated.
+far off (5 % of CSJ, 15 % of BLK) and farther than one and a half times what its 95 % interval reaches to that side. Undecided, with its reason, is honest but of no use: its share is stated.
 
 An interval is as narrow as possible that reaches the Cramer-Rao bound by the truth plant's own sensitivities, where the size of the scatter and what a degree does to friction are known beforehand;
 a unit's three or five healthy runs have to tell that.

@@ -231,7 +231,12 @@ def _flown(trial: VerdictTrial) -> dict[str, Any]:
     for one in answer.identified:
         known = math.isfinite(one.half_95)
         ends = (one.estimate - one.half_95, one.estimate + one.half_95) if known else (None, None)
-        found[_KEY_OF[one.name]] = {"interval95": ends, "shift_percent": one.shift_percent, "healthy": actuator[one.name]}
+        found[_KEY_OF[one.name]] = {
+            "estimate": one.estimate,
+            "interval95": ends,
+            "shift_percent": one.shift_percent,
+            "healthy": actuator[one.name],
+        }
     return found
 
 
@@ -273,11 +278,15 @@ def perform(trial: VerdictTrial) -> dict[str, Any]:
 
 
 def _size(one: Mapping[str, Any], share: float) -> dict[str, float | bool | None]:
-    """Shift, half its interval and truth, in % of the healthy value; whether the interval holds the truth."""
-    lower, upper = one["interval95"]
+    """Shift, half its interval, how far that reaches on the truth's side, and truth, in % of the healthy value; whether the interval holds the truth."""
     found, true = one["shift_percent"], 100.0 * share
-    half = None if lower is None else 50.0 * (upper - lower) / one["healthy"]
-    return {"shift": found, "half": half, "true": true, "held": None if half is None else bool(abs(found - true) <= half)}
+    if one["interval95"][0] is None:
+        return {"shift": found, "half": None, "side": None, "true": true, "held": None}
+    # the interval lies about the estimate, and that about the shift, in the same unit
+    lower, upper = (100.0 * end / one["healthy"] for end in one["interval95"])
+    middle = 100.0 * one["estimate"] / one["healthy"]
+    side = upper - middle if true > found else middle - lower
+    return {"shift": found, "half": 0.5 * (upper - lower), "side": side, "true": true, "held": bool(abs(found - true) <= side)}
 
 
 def _wrong(trial: VerdictTrial, verdict: str, sizes: Mapping[str, Mapping[str, Any]]) -> str:
@@ -289,6 +298,6 @@ def _wrong(trial: VerdictTrial, verdict: str, sizes: Mapping[str, Mapping[str, A
     if verdict == "fault":
         for name, one in sizes.items():
             off = abs(one["shift"] - one["true"])
-            if one["half"] is not None and off > max(100.0 * _SIZE_OFF[name], _FAR_OUTSIDE * one["half"]):
+            if one["side"] is not None and off > max(100.0 * _SIZE_OFF[name], _FAR_OUTSIDE * one["side"]):
                 return f"size of {name}"
     return ""
