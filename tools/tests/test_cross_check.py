@@ -126,6 +126,42 @@ def test_what_the_inverter_may_have_lost_today_is_in_the_interval() -> None:
     assert found.checked.open["screw.csj_Nm"].most == "effects.inverter_dead_time.drop_V"
 
 
+REACHES: dict[str, tuple[str, dict[str, float], str, float]] = {
+    "inverter": (
+        "chirp:amplitude_mm=4,end_hz=0.5",
+        {"screw.blk_mm": 1.8 * BLK_MM, "effects.inverter_dead_time.drop_V": 0.5},
+        "screw.csj_Nm",
+        CSJ_NM,
+    ),
+    "gain": (
+        "triangle:amplitude_mm=2,start_hz=1",
+        {"screw.blk_mm": 1.9 * BLK_MM, "control.kp_per_m": 1.016 * KP},
+        "screw.blk_mm",
+        1.9 * BLK_MM,
+    ),
+}
+
+
+@pytest.mark.parametrize("what", REACHES)
+def test_the_size_of_a_fault_reaches_over_what_the_drive_may_be_today(what: str) -> None:
+    """Half a volt of dead time, five of its usual deviations, or a gain of 1.6 % beside a doubled play: the fault is right, and its size is another by far more than usual days make of it."""
+    command, changes, name, true = REACHES[what]
+    healthy = [recorded({}, command, seed, alone=True, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+    found = identify(KNOWN, recorded(changes, command, alone=True), healthy)
+    assert found.verdict == "fault", sentence(found)
+    one = next(one for one in found.answer.identified if one.name == name)
+    low, high = found.interval95(one)
+    assert low is not None and high is not None and low < true < high, (low, true, high)
+    stands = found.checked.open[name] if found.checked is not None else None
+    assert stands is not None and stands.reach.by == next(key for key in changes if key != "screw.blk_mm")
+    # without the reach the true value would lie far outside
+    assert one.estimate - true > 1.5 * (high - one.estimate)
+    assert "does not tell it from today's" in sentence(found)
+    # all signals tell it: nothing is said, and the interval is narrow
+    every = identify(KNOWN, recorded(changes, command), [recorded({}, command, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)])
+    assert "does not tell it from today's" not in sentence(every)
+
+
 def test_an_effect_that_begins_in_the_middle_is_not_passed_over() -> None:
     before, after = recorded({}, "chirp"), recorded({"effects.stribeck_friction.rise": 0.2}, "chirp")
     half = before.rows // 2

@@ -34,17 +34,31 @@ _AS_WELL = 4.0  # of the cost: a value of 95 % certainty leaves no more above th
 
 
 @dataclass(frozen=True)
+class Reach:
+    """How far `below` and `above` a value those lie that a state beyond its usual deviations would make, and that explain the record as well; `by`: the state that goes farthest."""
+
+    below: float = 0.0
+    above: float = 0.0
+    by: str = ""
+
+    @classmethod
+    def of(cls, value: float, ends: Mapping[str, tuple[float, float]]) -> Reach:
+        """From the least and the largest value of each state, by its name; not a number where there is none."""
+        off = {title: (value - least, most - value) for title, (least, most) in ends.items() if math.isfinite(least)}
+        below, above = (max([0.0, *(pair[side] for pair in off.values())]) for side in (0, 1))
+        return cls(below, above, max(off, key=lambda title: max(off[title])))
+
+
+@dataclass(frozen=True)
 class OpenStd:
     """A standard error, what of the machine's present state does most to it, by name, and its part that is not noise; `moved`: by how much the value would be another if what the record itself
-    says of that state were fitted beside it; `below`, `above`: how far under and over the value those lie that a state beyond its usual deviations would make, and that explain the record
-    as well."""
+    says of that state were fitted beside it; `reach`: how far it may be off where that state is beyond its usual deviations."""
 
     std: float
     most: str
     beyond: float = 0.0
     moved: float = 0.0
-    below: float = 0.0
-    above: float = 0.0
+    reach: Reach = Reach()
 
     def doubt(self, sure: float, healthy: float) -> float:
         """How far a shift may be off for what the machine may be today, relative to the `healthy` value; `sure`: in so many standard deviations."""
@@ -78,7 +92,7 @@ class _Sizes:
         """The least and the largest value of `name` at which this state leaves no more than `limit` above the cost `best`; between two sizes by straight lines. Not a number where none does."""
         costs = np.array([one.cost for one in self.fits]) - best
         values = np.array([one.values[name] for one in self.fits])
-        fine = np.linspace(self.sizes[0], self.sizes[-1], _FINE)
+        fine = np.union1d(np.linspace(self.sizes[0], self.sizes[-1], _FINE), self.sizes)
         inside = np.interp(fine, self.sizes, values)[np.interp(fine, self.sizes, costs) <= limit]
         return (float(inside.min()), float(inside.max())) if inside.size else (math.nan, math.nan)
 
@@ -110,7 +124,7 @@ def open_state(known: KnownMachine, base: MachineFit, left: float = 0.0) -> dict
             worst = max(by_profile, key=lambda title: by_profile[title])
         std = math.hypot(max(_marginal(own, today, place), math.hypot(noise, *by_profile.values())), along)
         moved = max((abs(one.moved[name]) for one in profiles.values()), default=0.0)
-        found[name] = OpenStd(std, worst, math.sqrt(max(std**2 - noise**2, 0.0)), moved, *reach[name])
+        found[name] = OpenStd(std, worst, math.sqrt(max(std**2 - noise**2, 0.0)), moved, reach[name])
     return found
 
 
@@ -145,8 +159,9 @@ def _left_open(known: KnownMachine, base: MachineFit, own: Sequence[Reals], colu
 def _wanted(known: KnownMachine, base: MachineFit, own: Sequence[Reals], column: Reals, here: Reals) -> bool:
     """Whether a state would explain more of what is left `here` [n] than chance does, and move a fault much there."""
     follows, rest = _apart(own, column)
-    size = -float(rest @ here) / float(rest @ rest)
-    return size * size * float(rest @ rest) > _AS_WELL and _moves(known, base, size * follows)
+    told = float(rest @ rest)
+    size = -float(rest @ here) / told if told > 0.0 else 0.0
+    return size * size * told > _AS_WELL and _moves(known, base, size * follows)
 
 
 def _near(known: KnownMachine, base: MachineFit, machine: Actuator, states: Sequence[Spread]) -> list[_Sizes]:
@@ -203,19 +218,14 @@ def _takes_off(one: _Sizes, base: MachineFit) -> bool:
     return min(fit.cost for fit in one.fits) < base.cost - _AS_WELL
 
 
-def _reach(known: KnownMachine, base: MachineFit, machine: Actuator, near: Sequence[_Sizes]) -> dict[str, tuple[float, float]]:
-    """How far below and above each fault lies where one of these states is farther off than usual and explains the record as well as the best of them, by name."""
+def _reach(known: KnownMachine, base: MachineFit, machine: Actuator, near: Sequence[_Sizes]) -> dict[str, Reach]:
+    """How far each fault lies off, by name, where one of these states is farther off than usual and explains the record as well as the best of them."""
     if not near:
-        return dict.fromkeys(known.faults, (0.0, 0.0))
+        return dict.fromkeys(known.faults, Reach())
     far = _fitted(known, base, machine, [(one, _further(one, base)) for one in near])
     best = min(fit.cost for one in far for fit in one.fits)
     limit = _AS_WELL * max(1.0, best / known.evidence.numbers)
-    found = {}
-    for name in known.faults:
-        ends = [one.as_well(name, best, limit) for one in far]
-        least, most = (choose([end for pair in ends for end in pair]) for choose in (np.nanmin, np.nanmax))
-        found[name] = (max(base.values[name] - float(least), 0.0), max(float(most) - base.values[name], 0.0))
-    return found
+    return {name: Reach.of(base.values[name], {one.state.title: one.as_well(name, best, limit) for one in far}) for name in known.faults}
 
 
 def _further(one: _Sizes, base: MachineFit) -> list[float]:

@@ -99,7 +99,9 @@ class Identified:
         low, high = interval95(one.estimate, bias, day)
         if stands is None or low is None or high is None:
             return low, high
-        return one.estimate - math.hypot(one.estimate - low, stands.below), one.estimate + math.hypot(high - one.estimate, stands.above)
+        return one.estimate - math.hypot(one.estimate - low, stands.reach.below), one.estimate + math.hypot(
+            high - one.estimate, stands.reach.above
+        )
 
     def day_std(self, name: str) -> float:
         """By how much a machine's value is read apart from run to run, against the mean of its healthy records where there are two or more: as the actuator states, as those records show it,

@@ -125,7 +125,23 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_left(found)}{_warmth(found)}{_magnets(found)}{few}"
+    return f"{_verdict(found)}{_reach(found) or _left(found)}{_warmth(found)}{_magnets(found)}{few}"
+
+
+def _reach(found: Identified) -> str:
+    """That the size of a fault hangs on something else that the record leaves open, where that is as much as a fault."""
+    checked = found.checked
+    if checked is None or found.verdict != "fault":
+        return ""
+    told = []
+    for name, stands in checked.open.items():
+        reach, percent = stands.reach, 100.0 / abs(found.healthy[name])
+        if percent * max(reach.below, reach.above) > found.least_percent[name]:
+            shift = 100.0 * checked.shift[name]
+            ends = f"{shift - percent * reach.below:+.0f} to {shift + percent * reach.above:+.0f} %"
+            what = reach.by.removeprefix("effects.")
+            told.append(f" {TITLES[name]} lies anywhere from {ends}: this record does not tell it from today's {what}; {_more(checked)}.")
+    return "".join(told)
 
 
 def _left(found: Identified) -> str:
