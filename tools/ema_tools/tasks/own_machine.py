@@ -111,96 +111,145 @@ def own_machine(
     found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
     check_kept(actuator, found, repeats[0].file)
     # what an earlier calibration knew of the days is learned anew
-    found = found.changed({APART_DEGC: 0.0}, actuator.about)
-    left = np.array([one.position_mm - simulated(found, one).position_mm for one in repeats])
-    noise_mm = max(found[POSITION_NOISE], float(np.max(np.sqrt(np.mean(left**2, axis=1)))))
-    found = found.changed({POSITION_NOISE: noise_mm})
-    check_bounds(found)
-    names = identified_of(found)
-    usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
-    found, answers = _searched(found, repeats)
-    by_run = [{one.name: one.estimate for one in (*answer.identified, *answer.day)} for answer in answers]
-    read_so = [simulated(found.changed(values), run_).position_mm for values, run_ in zip(by_run, repeats, strict=True)]
-    rest = np.array([one.position_mm for one in repeats]) - np.array(read_so)
-    shared_mm = shared_noise(rest - rest.mean(axis=0)) * math.sqrt(len(rest) / (len(rest) - 1.0))
-    found = found.changed({SHARED_NOISE: max(found[SHARED_NOISE], shared_mm)})
-    # what the onboard search reads wrongly of a unit, it reads wrongly of its healthy runs as well
-    found = found.changed({name: float(np.mean([values[name] for values in by_run])) for name in by_run[0]})
-    own_scatter = {name: share_from_run_to_run(found, name) * found[name] for name in names} if answers[0].day else usual
-    today = [{one.name: one.estimate for one in answer.day} for answer in answers]
+    read = _readings(_with_noise(found.changed({APART_DEGC: 0.0}, actuator.about), repeats), repeats)
+    found, runs = read.machine, len(repeats)
     known = Compared(evidence, repeats, signals)
-    warmth = thermometers(known, [one.base({}) for one in known.known_repeats])
-    foretold: dict[str, Foretold] = {}
-    scatter: dict[str, float] = {}
-    by_noise: dict[str, float] = {}
-    law: dict[str, float] = {}
-    for place, name in enumerate(names):
-        read = [answer.identified[place] for answer in answers]
-        noise = float(np.mean([one.std for one in read]))
-        if not math.isfinite(noise):
-            raise InputError(
-                f"{repeats[0].file}: {name}: the onboard search does not determine it on these runs: record a longer or faster command"
-            )
-        by_noise[name] = noise / found[name]
-        stated_or_usual = math.hypot(own_scatter.get(name, 0.0), noise)
-        scatter[name] = scatter_read(found, name, [one.estimate for one in read], today, stated_or_usual) / found[name]
-        if name == DRY:
-            # the module reads winding and grease by itself where they are searched; else nobody tells it what the day is like
-            friction = friction_of(found, [one.estimate for one in read], noise, today)
-            is_told = friction is not None and abs(100.0 * friction.law.per_degC) <= row_of(PER_DEGC).upper
-            if not is_told:
-                friction = friction_of(found, [one.estimate for one in read], noise, warmth)
-            if friction is not None:
-                foretold[name] = friction.any_told_day() if is_told else friction.any_day()
-                scatter[name] = foretold[name].std / ShiftTest(runs=len(repeats)).spread()
-                law = _law(friction, by_noise[name]) if is_told else {}
-    runs = len(repeats)
-    apart = {name: 100.0 * _apart(found, name, scatter[name], by_noise[name], runs) for name in names}
-    stated = {SCATTERS[name]: value for name, value in apart.items()} | law
-    asked = float(np.mean([np.mean(np.abs(np.diff(one.command_mm))) / one.period_s for one in repeats]))
-    least = {name: least_shift(found[MIN_SHIFTS[name]], 100.0 * scatter[name], runs, false_alarm) for name in names}
-    for name, one in foretold.items():
-        wanted = 100.0 * one.within(beyond(FALSE_ALARM if false_alarm is None else false_alarm))
-        least[name] = clipped(found[MIN_SHIFTS[name]], wanted) if false_alarm is None else wanted
-    shown_mm = math.hypot(found[STRUCTURE] * found[POSITION_NOISE], found[SHARED_NOISE])
-    unseen = dict(zip(names, unseen_by_search(found, repeats[0], names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))
-    if false_alarm is None:
-        # what is not shown makes no sound unit a faulty one
-        least = {name: max(one, clipped(found[MIN_SHIFTS[name]], unseen[name])) for name, one in least.items()}
+    spread = _spread(read, thermometers(known, [one.base({}) for one in known.known_repeats]))
+    least, unseen = _thresholds(read, spread, false_alarm)
     exceeded = {
-        name: foretold[name].beyond(0.01 * least[name])
-        if name in foretold
-        else false_alarms(least[name] / (100.0 * scatter[name]), runs, 1)
-        for name in names
+        name: spread.foretold[name].beyond(0.01 * one)
+        if name in spread.foretold
+        else false_alarms(one / (100.0 * spread.scatter[name]), runs, 1)
+        for name, one in least.items()
     }
-    test = ShiftTest(runs=runs)
-    thresholds = max(unseen[name] / least[name] for name in names)
-    sure = found["verdict.confidence_std"]
-    certain = {name: sure * by_noise[name] + test.missed() * scatter[name] for name in names}
+    # less than a threshold makes no sound unit a faulty one
+    most = max(unseen[name] / one for name, one in least.items())
+    hidden = most if most > 1.0 else 0.0
+    apart = {name: 100.0 * _apart(found, name, spread.scatter[name], spread.noise[name], runs) for name in read.names}
+    sure, missed = found["verdict.confidence_std"], ShiftTest(runs=runs).missed()
+    certain = {name: 100.0 * (sure * spread.noise[name] + missed * spread.scatter[name]) for name in read.names}
     new = sorted(set(found.active_effects) - set(actuator.active_effects))
     return OwnMachine(
         found.changed(
             {
-                COMMAND_SPEED: asked,
-                # less than a threshold makes no sound unit a faulty one
-                UNSEEN: 100.0 * thresholds if thresholds > 1.0 else 0.0,
-                **{MIN_SHIFTS[name]: value for name, value in least.items()},
-                **stated,
+                COMMAND_SPEED: float(np.mean([np.mean(np.abs(np.diff(one.command_mm))) / one.period_s for one in repeats])),
+                UNSEEN: 100.0 * hidden,
+                **{MIN_SHIFTS[name]: one for name, one in least.items()},
+                **{SCATTERS[name]: one for name, one in apart.items()},
+                **spread.law,
             },
-            remarks={MIN_SHIFTS[name]: _remark(MIN_SHIFTS[name], exceeded[name], runs) for name in names},
+            remarks={MIN_SHIFTS[name]: _remark(MIN_SHIFTS[name], exceeded[name], runs) for name in read.names},
         ),
         {name: _cost(found, name, repeats[0]) for name in new},
-        {name: 100.0 * value for name, value in scatter.items()},
+        {name: 100.0 * one for name, one in spread.scatter.items()},
         least,
         exceeded,
-        {
-            name: max(least[name], sure * apart[name]) + least[name] * (thresholds if thresholds > 1.0 else 0.0) + 100.0 * certain[name]
-            for name in names
-        },
-        unseen if thresholds > 1.0 else {},
+        {name: max(one, sure * apart[name]) + one * hidden + certain[name] for name, one in least.items()},
+        unseen if hidden else {},
         runs,
         doubt,
     )
+
+
+@dataclass(frozen=True)
+class _Readings:
+    """What the onboard search reads of each healthy run. `machine`: the model with the means of it; `own_scatter`: what is usual or stated of each value, one standard deviation in its unit."""
+
+    machine: Actuator
+    repeats: tuple[Record, ...]
+    answers: list[Identification]
+    own_scatter: Mapping[str, float]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The values that are identified."""
+        return identified_of(self.machine)
+
+    @property
+    def today(self) -> list[dict[str, float]]:
+        """The values of the day of each run, by name."""
+        return [{one.name: one.estimate for one in answer.day} for answer in self.answers]
+
+
+@dataclass(frozen=True)
+class _Spread:
+    """How far the readings of a sound unit lie apart: `scatter` and the `noise` in it, shares by name; `foretold`: what dry friction should be on any day; `law`: what the module states of that."""
+
+    scatter: Mapping[str, float]
+    noise: Mapping[str, float]
+    foretold: Mapping[str, Foretold]
+    law: Mapping[str, float]
+
+
+def _with_noise(found: Actuator, repeats: Sequence[Record]) -> Actuator:
+    """With as much noise in the rod position as the runs show."""
+    left = np.array([one.position_mm - simulated(found, one).position_mm for one in repeats])
+    noisy = found.changed({POSITION_NOISE: max(found[POSITION_NOISE], float(np.max(np.sqrt(np.mean(left**2, axis=1)))))})
+    check_bounds(noisy)
+    return noisy
+
+
+def _readings(found: Actuator, repeats: tuple[Record, ...]) -> _Readings:
+    """Reads the runs as the onboard search does, and puts what it reads in the mean into the model."""
+    names = identified_of(found)
+    usual = scatter_of(found, repeats[0], names, {"position_mm": 1.0})
+    machine, answers = _searched(found, repeats)
+    by_run = [{one.name: one.estimate for one in (*answer.identified, *answer.day)} for answer in answers]
+    read_so = [simulated(machine.changed(values), run_).position_mm for values, run_ in zip(by_run, repeats, strict=True)]
+    rest = np.array([one.position_mm for one in repeats]) - np.array(read_so)
+    shared_mm = shared_noise(rest - rest.mean(axis=0)) * math.sqrt(len(rest) / (len(rest) - 1.0))
+    machine = machine.changed({SHARED_NOISE: max(machine[SHARED_NOISE], shared_mm)})
+    # what the onboard search reads wrongly of a unit, it reads wrongly of its healthy runs as well
+    machine = machine.changed({name: float(np.mean([values[name] for values in by_run])) for name in by_run[0]})
+    own_scatter = {name: share_from_run_to_run(machine, name) * machine[name] for name in names} if answers[0].day else usual
+    return _Readings(machine, repeats, answers, own_scatter)
+
+
+def _spread(read: _Readings, warmth: Sequence[Mapping[str, float]]) -> _Spread:
+    """How far the readings lie apart. `warmth`: values of the day of each run as all its signals say. Raises InputError where a value is not determined."""
+    scatter: dict[str, float] = {}
+    noises: dict[str, float] = {}
+    foretold: dict[str, Foretold] = {}
+    law: dict[str, float] = {}
+    for place, name in enumerate(read.names):
+        estimates = [answer.identified[place].estimate for answer in read.answers]
+        noise = float(np.mean([answer.identified[place].std for answer in read.answers]))
+        if not math.isfinite(noise):
+            raise InputError(
+                f"{read.repeats[0].file}: {name}: the onboard search does not determine it on these runs: record a longer or faster command"
+            )
+        healthy = read.machine[name]
+        noises[name] = noise / healthy
+        stated_or_usual = math.hypot(read.own_scatter.get(name, 0.0), noise)
+        scatter[name] = scatter_read(read.machine, name, estimates, read.today, stated_or_usual) / healthy
+        if name == DRY:
+            # the module reads winding and grease by itself where they are searched; else nobody tells it what the day is like
+            friction = friction_of(read.machine, estimates, noise, read.today)
+            is_told = friction is not None and abs(100.0 * friction.law.per_degC) <= row_of(PER_DEGC).upper
+            if not is_told:
+                friction = friction_of(read.machine, estimates, noise, warmth)
+            if friction is not None:
+                foretold[name] = friction.any_told_day() if is_told else friction.any_day()
+                scatter[name] = foretold[name].std / ShiftTest(runs=len(read.repeats)).spread()
+                law = _law(friction, noises[name]) if is_told else {}
+    return _Spread(scatter, noises, foretold, law)
+
+
+def _thresholds(read: _Readings, spread: _Spread, false_alarm: float | None) -> tuple[dict[str, float], dict[str, float]]:
+    """The shifts that are called a fault, and how far a reading may be off for what the rod position does not show, in %, by name."""
+    found, first = read.machine, read.repeats[0]
+    least = {
+        name: least_shift(found[MIN_SHIFTS[name]], 100.0 * spread.scatter[name], len(read.repeats), false_alarm) for name in read.names
+    }
+    for name, one in spread.foretold.items():
+        wanted = 100.0 * one.within(beyond(FALSE_ALARM if false_alarm is None else false_alarm))
+        least[name] = clipped(found[MIN_SHIFTS[name]], wanted) if false_alarm is None else wanted
+    shown_mm = math.hypot(found[STRUCTURE] * found[POSITION_NOISE], found[SHARED_NOISE])
+    unseen = dict(zip(read.names, unseen_by_search(found, first, read.names, shown_mm, found[DAY_VALUES] != 0.0).tolist(), strict=True))
+    if false_alarm is None:
+        # what is not shown makes no sound unit a faulty one
+        least = {name: max(one, clipped(found[MIN_SHIFTS[name]], unseen[name])) for name, one in least.items()}
+    return least, unseen
 
 
 def _apart(found: Actuator, name: str, scatter: float, noise: float, runs: int) -> float:
