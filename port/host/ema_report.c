@@ -83,6 +83,37 @@ static void ema_write_shifts(const ema_report_t* report, FILE* out)
     }
 }
 
+/* Whether a shift is beyond its threshold, and whether its whole 95 % interval is. */
+static bool ema_beyond(const ema_report_t* report, uint32_t fault, bool surely)
+{
+    const double healthy = fabs(ema_healthy(report, fault));
+    const double reach = surely ? (100.0 * ema_half_interval(report, fault)) / healthy : 0.0;
+    const double shift = (double)report->result.identified[fault].shift_percent;
+    return (shift - reach) > (double)report->config->identified[fault].min_shift_percent;
+}
+
+/* "CSJ beyond its threshold of +5 %": of both where both surely are, or neither is by itself. */
+static void ema_write_faults(const ema_report_t* report, FILE* out)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < FAULTS; ++i) {
+        any = any || ema_beyond(report, i, true);
+    }
+    const char* joint = "";
+    for (uint32_t i = 0; i < FAULTS; ++i) {
+        if (ema_beyond(report, i, any)) {
+            (void)fprintf(out, "%s%s beyond its threshold of %+.3g %%", joint, ema_fault_name[i],
+                          (double)report->config->identified[i].min_shift_percent);
+            joint = " and ";
+        }
+    }
+    for (uint32_t i = 0; i < FAULTS; ++i) {
+        if (any && ema_beyond(report, i, false) && !ema_beyond(report, i, true)) {
+            (void)fprintf(out, "; whether %s is one too is not sure", ema_fault_name[i]);
+        }
+    }
+}
+
 /* The sentence that would be read out if only one were. */
 static void ema_write_sentence(const ema_report_t* report, FILE* out)
 {
@@ -94,14 +125,7 @@ static void ema_write_sentence(const ema_report_t* report, FILE* out)
     } else if (result->verdict == EMA_VERDICT_FAULT) {
         ema_write_shifts(report, out);
         (void)fputs(": fault, ", out);
-        const char* joint = "";
-        for (uint32_t i = 0; i < FAULTS; ++i) {
-            const double threshold = (double)report->config->identified[i].min_shift_percent;
-            if ((double)result->identified[i].shift_percent > threshold) {
-                (void)fprintf(out, "%s%s beyond its threshold of %+.3g %%", joint, ema_fault_name[i], threshold);
-                joint = " and ";
-            }
-        }
+        ema_write_faults(report, out);
         (void)fputs(".\n", out);
     } else {
         ema_write_shifts(report, out);

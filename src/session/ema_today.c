@@ -7,12 +7,20 @@
 #define EMA_WINDING_DEGC EMA_R(254.5)
 #define EMA_GREASE_DEGC EMA_R(-35.7)
 
-/* CSJ on a day that is so many degrees warmer than the healthy runs. */
-static void ema_today_csj(const ema_params_t* params, ema_real warmer_degC, ema_estimate_t* csj)
+/* CSJ beside a winding and a grease that are so many degrees warmer than in the healthy runs, brought to the
+ * temperature of those. Where they do not agree, one of them is changed by something else: then it is what lies between
+ * the two nearest to the healthy runs, and scatters as on any day. */
+static void ema_today_csj(const ema_params_t* params, ema_real winding_degC, ema_real grease_degC, ema_estimate_t* csj)
 {
+    const ema_real apart_degC = winding_degC - grease_degC;
+    ema_real warmer_degC = grease_degC + (params->day_winding_ratio * apart_degC);
+    ema_real scatter_percent = params->csj_day_scatter_percent;
+    if (!(ema_abs(apart_degC) < params->day_apart_degC)) {
+        warmer_degC = ema_clamp(EMA_R(0.0), ema_min(winding_degC, grease_degC), ema_max(winding_degC, grease_degC));
+        scatter_percent = params->csj_scatter_percent;
+    }
     const ema_real unsure_percent = params->csj_per_degC_std_percent * warmer_degC;
-    csj->scatter_percent = ema_sqrt((params->csj_day_scatter_percent * params->csj_day_scatter_percent)
-                                    + (unsure_percent * unsure_percent));
+    csj->scatter_percent = ema_sqrt((scatter_percent * scatter_percent) + (unsure_percent * unsure_percent));
     const ema_real moved_percent = params->csj_per_degC_percent * warmer_degC;
     const ema_real share = moved_percent / (EMA_R(100.0) + moved_percent);
     csj->estimate -= share * csj->estimate;
@@ -39,10 +47,9 @@ void ema_today(const ema_session_config_t* config, ema_result_t* result)
         } else if (id == EMA_VALUE_ID(blk_mm)) {
             estimate->scatter_percent = params->blk_scatter_percent;
         } else if (id == EMA_VALUE_ID(csj_Nm)) {
-            const ema_real apart_degC = winding_degC - grease_degC;
             estimate->scatter_percent = params->csj_scatter_percent;
-            if ((told == 2U) && (ema_abs(apart_degC) < params->day_apart_degC)) {
-                ema_today_csj(params, grease_degC + (params->day_winding_ratio * apart_degC), estimate);
+            if ((params->day_apart_degC > EMA_R(0.0)) && (told == 2U)) {
+                ema_today_csj(params, winding_degC, grease_degC, estimate);
             }
         } else {
             /* scatters by nothing that the actuator says */

@@ -6,17 +6,24 @@
 /* A node of a learned table stands for half a distance between nodes on either side of it, a thirtieth of the range. */
 #define EMA_OUTSIDE_MAX EMA_R(0.0334)
 
+/* A healthy answer may not hide a shift of so many thresholds: it lies surely below, which is 95 % to one side. */
+#define EMA_HIDES_NONE EMA_R(3.0)
+#define EMA_SURELY_LESS EMA_R(1.645)
+
 /* Reasons that one parameter's estimate gives; `fault` is set when it is surely beyond its threshold. */
 static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const ema_estimate_t* estimate,
                                      ema_real healthy, const ema_params_t* params, bool* fault)
 {
     uint32_t reasons = estimate->at_bound ? (uint32_t)EMA_REASON_AT_BOUND : 0U;
-    const ema_real scatter_percent = (params->confidence_std * estimate->std * EMA_R(100.0)) / ema_abs(healthy);
+    const ema_real per_value_percent = EMA_R(100.0) / ema_abs(healthy);
+    const ema_real scatter_percent = params->confidence_std * estimate->std * per_value_percent;
     const ema_real threshold_percent = identified->min_shift_percent;
     /* a sound machine that scatters so reads farther off than its threshold, to either side */
     const ema_real sound_percent = ema_max(threshold_percent, params->confidence_std * estimate->scatter_percent);
-    const ema_real doubt_percent = scatter_percent + ((estimate->bias * EMA_R(100.0)) / ema_abs(healthy))
+    const ema_real doubt_percent = scatter_percent + (estimate->bias * per_value_percent)
                                    + ((params->unseen_percent / EMA_R(100.0)) * threshold_percent);
+    const ema_real not_hidden_percent =
+        (EMA_HIDES_NONE * threshold_percent) - (EMA_SURELY_LESS * estimate->scatter_percent);
     /* every comparison is written so that NaN never counts as healthy */
     if (!(scatter_percent <= EMA_R(100.0))) {
         reasons |= (uint32_t)EMA_REASON_NOT_SENSITIVE;
@@ -24,7 +31,7 @@ static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const e
         *fault = true;
     } else if (estimate->shift_percent < -(sound_percent + doubt_percent)) {
         reasons |= (uint32_t)EMA_REASON_BELOW_HEALTHY;
-    } else if (!(estimate->shift_percent <= (threshold_percent - doubt_percent))
+    } else if (!(estimate->shift_percent <= ema_min(not_hidden_percent, threshold_percent - doubt_percent))
                || !(estimate->shift_percent >= (doubt_percent - sound_percent))) {
         reasons |= (uint32_t)EMA_REASON_NEAR_THRESHOLD;
     } else {

@@ -109,6 +109,21 @@ static void test_thermometers_that_contradict_each_other_tell_nothing(void)
     TEST_ASSERT_TRUE(result.identified[0].scatter_percent < EMA_R(5.0));
 }
 
+/* A cold day whose grease thickens by less than usual: it is at least as cold as the nearer of both says, and friction
+ * is held against that, with all that is not known of a degree. */
+static void test_a_temperature_that_both_allow_is_told_and_not_taken_for_sure(void)
+{
+    /* the logarithm of copper's rise, which is linear, is 2 % off at 12 degC */
+    for (int side = -1; side <= 1; side += 2) {
+        read_day(20.0 * side, 12.0 * side, 1.0 + (PER_DEGC * 12.0 * side));
+        EMA_ASSERT_CLOSE(0.0, result.identified[0].shift_percent, 0.15, 0.0);
+        EMA_ASSERT_CLOSE(hypot(5.0, 0.4 * 12.0), result.identified[0].scatter_percent, 0.1, 0.0);
+        read_day(12.0 * side, 20.0 * side, 1.0 + (PER_DEGC * 12.0 * side));
+        EMA_ASSERT_CLOSE(0.0, result.identified[0].shift_percent, 0.15, 0.0);
+        EMA_ASSERT_CLOSE(hypot(5.0, 0.4 * 12.0), result.identified[0].scatter_percent, 0.1, 0.0);
+    }
+}
+
 static void test_one_thermometer_tells_nothing(void)
 {
     config.identified_count = 3U;
@@ -146,6 +161,7 @@ int main(void)
     RUN_TEST(test_wear_on_a_warm_day_is_of_its_true_size);
     RUN_TEST(test_temperature_is_what_both_tell);
     RUN_TEST(test_thermometers_that_contradict_each_other_tell_nothing);
+    RUN_TEST(test_a_temperature_that_both_allow_is_told_and_not_taken_for_sure);
     RUN_TEST(test_one_thermometer_tells_nothing);
     RUN_TEST(test_an_actuator_that_says_nothing_of_the_day_is_read_as_it_is);
     RUN_TEST(test_play_and_what_the_day_changes_keep_their_readings);

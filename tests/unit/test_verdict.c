@@ -138,6 +138,30 @@ static void test_what_scatters_more_than_its_threshold_is_undecided_between(void
     JUDGE(lines);
 }
 
+/* On a day that leaves friction open by 6 %, a reading below the threshold is surely below three of them; where it
+ * leaves open 8 % a reading of +1.9 % is not, and where 9.2 % no reading of a sound unit is. */
+static void test_what_may_be_much_more_for_its_scatter_is_not_healthy(void)
+{
+    healthy.params.csj_min_shift_percent = EMA_R(5.0);
+    healthy.params.csj_scatter_percent = EMA_R(6.0);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_config_default(&config, &healthy, &config.record));
+    const line_t lines[] = {
+        {4.6, 0.1, 0.0, 0.8, 5.0, 0.0, HEALTHY},
+        {0.0, 0.1, 0.0, 0.8, 5.0, 0.0, HEALTHY},
+    };
+    JUDGE(lines);
+    healthy.params.csj_scatter_percent = EMA_R(8.0);
+    const line_t wider[] = {
+        {1.7, 0.1, 0.0, 0.8, 5.0, 0.0, HEALTHY},
+        {1.9, 0.1, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)},
+        {-9.0, 0.1, 0.0, 0.8, 5.0, 0.0, HEALTHY},
+    };
+    JUDGE(wider);
+    healthy.params.csj_scatter_percent = EMA_R(9.2);
+    const line_t never[] = {{0.0, 0.1, 0.0, 0.8, 5.0, 0.0, UNDECIDED(EMA_REASON_NEAR_THRESHOLD)}};
+    JUDGE(never);
+}
+
 static void test_negative_shift_is_no_fault(void)
 {
     const line_t lines[] = {
@@ -376,6 +400,7 @@ int main(void)
     RUN_TEST(test_shift_against_its_threshold);
     RUN_TEST(test_what_is_not_seen_is_doubt);
     RUN_TEST(test_what_scatters_more_than_its_threshold_is_undecided_between);
+    RUN_TEST(test_what_may_be_much_more_for_its_scatter_is_not_healthy);
     RUN_TEST(test_negative_shift_is_no_fault);
     RUN_TEST(test_what_is_no_number_is_never_healthy);
     RUN_TEST(test_sure_fault_stands_beside_a_neighbours_doubt);

@@ -155,7 +155,8 @@ class Identified:
         if self.sound_by_scatter:
             return None
         if self.answer.verdict == "undecided":
-            return "open" if self.answer.reasons == (_NEAR_THRESHOLD,) and self.within_scatter() else None
+            near = self.answer.reasons == (_NEAR_THRESHOLD,)
+            return "open" if near and (self.within_scatter() or self._open_by_climate()) else None
         if self.doubt:
             return "healthy"
         if any(map(self._moved, self.answer.identified)):
@@ -205,9 +206,10 @@ class Identified:
         return foretold is not None and foretold.by_temperature > math.sqrt(0.5) * foretold.std
 
     def _open_by_climate(self) -> bool:
-        """Whether a healthy answer is one of a faulty machine at today's temperature as well."""
+        """Whether an answer that is or may be healthy is one of a faulty machine at today's temperature as well."""
         shifts = self.checked.shift if self.checked is not None else {}
-        if self.foretold is None or self.answer.verdict != "healthy" or DRY not in shifts or not self.mostly_climate():
+        may_be_healthy = self.answer.verdict == "healthy" or self.answer.reasons == (_NEAR_THRESHOLD,)
+        if self.foretold is None or not may_be_healthy or DRY not in shifts or not self.mostly_climate():
             return False
         return shifts[DRY] + _SURELY_LESS * self.foretold.std > self.not_hidden(DRY)
 
@@ -295,12 +297,12 @@ def _check_healthy(actuator: Actuator, healthy: Sequence[Record]) -> None:
 
 def _blamed(actuator: Actuator, record: Record, healthy: Sequence[Record], error: InputError) -> InputError:
     """What healthy records could not do each by itself is today's record's doing where it runs none of their commands."""
-    first = healthy[0]
-    if any(same_command(record, one) for one in healthy):
-        return error
     why = blocked(actuator, record)
     if why:
         return InputError(f"{record.file}: {why}")
+    first = healthy[0]
+    if any(same_command(record, one) for one in healthy):
+        return error
     rows = min(record.rows, first.rows)
     begun = np.allclose(record.command_mm[:rows], first.command_mm[:rows], atol=1e-6)
     what = f"its {record.rows} rows are the beginning of the command of {first.file}, which has {first.rows}: it was cut off"

@@ -19,6 +19,7 @@ DAY_VALUES = "search.day_values"
 DAY_SCATTER = "verdict.csj_day_scatter_percent"
 PER_DEGC, PER_DEGC_STD = "verdict.csj_per_degC_percent", "verdict.csj_per_degC_std_percent"
 WINDING_SHARE, APART_DEGC = "verdict.day_winding_ratio", "verdict.day_apart_degC"
+LAW = (DAY_SCATTER, PER_DEGC, PER_DEGC_STD, WINDING_SHARE, APART_DEGC)
 POSITION_NOISE = "verdict.position_noise_mm"
 SHARED_NOISE = "verdict.shared_noise_mm"
 COMMAND_SPEED = "verdict.command_speed_mm_s"

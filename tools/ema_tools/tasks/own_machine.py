@@ -37,6 +37,7 @@ from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
     DAY_SCATTER,
     DAY_VALUES,
+    LAW,
     MIN_SHIFTS,
     PER_DEGC,
     PER_DEGC_STD,
@@ -111,7 +112,7 @@ def own_machine(
     found = evidence.actuator if set(evidence.actuator.active_effects) - set(actuator.active_effects) else actuator
     check_kept(actuator, found, repeats[0].file)
     # what an earlier calibration knew of the days is learned anew
-    read = _readings(_with_noise(found.changed({APART_DEGC: 0.0}, actuator.about), repeats), repeats)
+    read = _readings(_with_noise(found.changed({name: row_of(name).nominal for name in LAW}, actuator.about), repeats), repeats)
     found, runs = read.machine, len(repeats)
     known = Compared(evidence, repeats, signals)
     spread = _spread(read, thermometers(known, [one.base({}) for one in known.known_repeats]))

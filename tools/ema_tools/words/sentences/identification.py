@@ -20,6 +20,7 @@ from ema_tools.words.sentences.sizes import size_text
 
 _TELLING = ("motor_position_mm", "current_A", "voltage_V")
 _NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
+_MUCH_HIDDEN = 2.0  # of a threshold: an interval of a healthy answer that reaches farther is said [judgement]
 # Between what the search reads and why it does not stand.
 BECAUSE = ", which does not stand, because "
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
@@ -125,7 +126,7 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_reach(found) or _left(found)}{_warmth(found)}{_magnets(found)}{few}"
+    return f"{_verdict(found)}{_hides(found)}{_reach(found) or _left(found)}{_warmth(found)}{_magnets(found)}{few}"
 
 
 def _reach(found: Identified) -> str:
@@ -134,14 +135,42 @@ def _reach(found: Identified) -> str:
     if checked is None or found.verdict != "fault":
         return ""
     told = []
-    for name, stands in checked.open.items():
-        reach, percent = stands.reach, 100.0 / abs(found.healthy[name])
-        if percent * max(reach.below, reach.above) > found.least_percent[name]:
-            shift = 100.0 * checked.shift[name]
-            ends = f"{shift - percent * reach.below:+.0f} to {shift + percent * reach.above:+.0f} %"
-            what = reach.by.removeprefix("effects.")
-            told.append(f" {TITLES[name]} lies anywhere from {ends}: this record does not tell it from today's {what}; {_more(checked)}.")
+    for name, (low, high) in _ends_percent(found).items():
+        stands = checked.open.get(name)
+        wide = 0.01 * found.least_percent[name] * abs(found.healthy[name])
+        if stands is not None and max(stands.reach.below, stands.reach.above) > wide:
+            what = stands.reach.by.removeprefix("effects.")
+            told.append(
+                f" {TITLES[name]} lies anywhere from {low:+.0f} to {high:+.0f} %, for this record hardly tells it from what {what} is today: {_more(checked)}."
+            )
     return "".join(told)
+
+
+def _ends_percent(found: Identified) -> dict[str, tuple[float, float]]:
+    """The 95 % interval of each shift whose interval is known, in % of the healthy value, by name."""
+    ends = {}
+    for one in found.answer.identified:
+        low, high = found.interval95(one)
+        healthy = abs(found.healthy[one.name])
+        if one.name in TITLES and low is not None and high is not None and healthy > 0.0:
+            below, above = (100.0 * (end - one.estimate) / healthy for end in (low, high))
+            ends[one.name] = (one.shift_percent + below, one.shift_percent + above)
+    return ends
+
+
+def _hides(found: Identified) -> str:
+    """What a healthy answer may hide, where that is much more than its threshold."""
+    ends = _ends_percent(found)
+    far = {name: high for name, (_, high) in ends.items() if high > _MUCH_HIDDEN * found.least_percent.get(name, np.inf)}
+    if found.verdict != "healthy" or found.sound_by_scatter or not far:
+        return ""
+    name = max(far, key=lambda one: far[one] / found.least_percent[one])
+    why = (
+        "which another temperature than that of the healthy records explains: healthy records at today's temperature tell it"
+        if found.mostly_climate()
+        else "which lies within what is known of this unit: more healthy records narrow it"
+    )
+    return f" {TITLES[name]} may be as far off as {far[name]:+.0f} %, {why}."
 
 
 def _left(found: Identified) -> str:
@@ -149,7 +178,7 @@ def _left(found: Identified) -> str:
     checked = found.checked
     if checked is None or found.verdict != "fault" or checked.skipped != LITTLE_LEFT:
         return ""
-    return " Something small is there beside it that changes nothing of it: ema diagnose with the same records says what."
+    return " Something small is there beside it that does not change the verdict: ema diagnose with the same records says what."
 
 
 def _magnets(found: Identified) -> str:
@@ -173,7 +202,17 @@ def _verdict(found: Identified) -> str:
     shifts = ", ".join(_shift(found, estimate) for estimate in found.answer.identified)
     if found.verdict == "undecided":
         return f"Undecided: the search reads {shifts}{BECAUSE}{'; '.join(reasons(found))}."
-    return f"{found.verdict.capitalize()}: {shifts}.{_scatter(found) if found.sound_by_scatter else ''}"
+    return f"{found.verdict.capitalize()}: {shifts}.{_not_sure(found)}{_scatter(found) if found.sound_by_scatter else ''}"
+
+
+def _not_sure(found: Identified) -> str:
+    """Which of two shifts beyond their thresholds is not surely one, where the other is."""
+    ends = _ends_percent(found)
+    beyond = [one.name for one in found.answer.identified if one.name in ends and one.shift_percent > found.least_percent[one.name]]
+    sure = [name for name in beyond if ends[name][0] > found.least_percent[name]]
+    if found.verdict != "fault" or not sure:
+        return ""
+    return "".join(f" The fault is {TITLES[sure[0]]}; whether {TITLES[name]} is one is not sure." for name in beyond if name not in sure)
 
 
 def _scatter(found: Identified) -> str:
