@@ -144,8 +144,8 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
  * temperatures make of them and are never a fault; without them CSJ and BLK take up what grease and winding do. Where
  * the actuator says what a degree makes of a sound machine's CSJ (csj_per_degC_percent), the two tell how warm it is,
  * and CSJ is stated as at the temperature of the healthy runs. Where they contradict each other by day_apart_degC,
- * one of them has changed by something else: then it is no more than what both allow, CSJ scatters as on any day, and
- * what is not known of a degree comes on top. In a configuration of one's own that goes for values that stand behind
+ * one of them has changed by something else: CSJ is stated as read, and scatters as on any day and by all that the
+ * temperature which both allow may make of it. In a configuration of one's own that goes for values that stand behind
  * CSJ. Costs about half as many model runs again, and up to two more beside the others at the end. To be called after
  * ema_session_config_default. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_RANGE when there is no room for them. */
 ema_status_t ema_session_config_day(ema_session_config_t* config);

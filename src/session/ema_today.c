@@ -8,20 +8,24 @@
 #define EMA_GREASE_DEGC EMA_R(-35.7)
 
 /* CSJ beside a winding and a grease that are so many degrees warmer than in the healthy runs, brought to the
- * temperature of those. Where they do not agree, one of them is changed by something else: then it is what lies between
- * the two nearest to the healthy runs, and scatters as on any day. */
+ * temperature of those. Where they do not agree, one of them is changed by something else: the day is what lies between
+ * the two nearest to the healthy runs, and what that makes of CSJ, as on any day, stays open. */
 static void ema_today_csj(const ema_params_t* params, ema_real winding_degC, ema_real grease_degC, ema_estimate_t* csj)
 {
     const ema_real apart_degC = winding_degC - grease_degC;
     ema_real warmer_degC = grease_degC + (params->day_winding_ratio * apart_degC);
+    ema_real moved_percent = params->csj_per_degC_percent * warmer_degC;
     ema_real scatter_percent = params->csj_day_scatter_percent;
+    ema_real open_percent = EMA_R(0.0);
     if (!(ema_abs(apart_degC) < params->day_apart_degC)) {
         warmer_degC = ema_clamp(EMA_R(0.0), ema_min(winding_degC, grease_degC), ema_max(winding_degC, grease_degC));
+        open_percent = params->csj_per_degC_percent * warmer_degC;
+        moved_percent = EMA_R(0.0);
         scatter_percent = params->csj_scatter_percent;
     }
     const ema_real unsure_percent = params->csj_per_degC_std_percent * warmer_degC;
-    csj->scatter_percent = ema_sqrt((scatter_percent * scatter_percent) + (unsure_percent * unsure_percent));
-    const ema_real moved_percent = params->csj_per_degC_percent * warmer_degC;
+    csj->scatter_percent = ema_sqrt((scatter_percent * scatter_percent) + (unsure_percent * unsure_percent)
+                                    + (open_percent * open_percent));
     const ema_real share = moved_percent / (EMA_R(100.0) + moved_percent);
     csj->estimate -= share * csj->estimate;
     csj->shift_percent -= share * (EMA_R(100.0) + csj->shift_percent);

@@ -5,8 +5,8 @@
 #include "ema/ema_session.h"
 
 /* Fills the scatter of every estimate of `result`, which has its shifts, and brings CSJ to the temperature of the
- * healthy runs where the actuator says what a degree does to it and grease and winding are searched beside it: to what
- * both say where they agree, and to what both allow where they do not. */
+ * healthy runs where the actuator says what a degree does to it and grease and winding, searched beside it, agree;
+ * where they do not, what the temperature that both allow may make of it is part of its scatter. */
 void ema_today(const ema_session_config_t* config, ema_result_t* result);
 
 #endif

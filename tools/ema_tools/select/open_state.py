@@ -29,6 +29,7 @@ _SURELY_TOLD = 400.0  # and one that costs so much by the slopes does so by what
 _MUCH = 0.01  # of a value: what moves it by less, one standard deviation of it, is left to the slopes [judgement]
 _FARTHEST = 6.0  # of a state's standard deviations: a drop of 0.6 V in the inverter, a gain 12 % off [judgement]
 _FAR = (3.0, _FARTHEST)  # sizes that are fitted to learn how far a state may go [effort]
+_APART = 0.1  # of a state's standard deviation: nearer to a size that is fitted, another one shows nothing [precision]
 _FINE = 121  # places along a state at which costs and values are read off [precision]
 _AS_WELL = 4.0  # of the cost: a value of 95 % certainty leaves no more above the best [chance]
 
@@ -233,5 +234,6 @@ def _further(one: _Sizes, base: MachineFit) -> list[float]:
     far = [side * size for side in ((-1.0, 1.0) if one.state.relative else (1.0,)) for size in _FAR]
     slope, bend = _parabola(one, base)
     best = -0.5 * slope / bend if bend > 0.0 else 0.0
-    is_new = all(abs(best - size) > 0.5 for size in (*one.sizes, *far)) and min(far) < best < max(far)
+    lowest = -_FARTHEST if one.state.relative else 0.0
+    is_new = lowest < best < _FARTHEST and all(abs(best - size) > _APART for size in (*one.sizes, *far))
     return [*far, best] if is_new else far

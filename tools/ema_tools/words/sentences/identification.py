@@ -25,6 +25,16 @@ _MUCH_HIDDEN = 2.0  # of a threshold: an interval of a healthy answer that reach
 BECAUSE = ", which does not stand, because "
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
 
+# What differs from day to day, in words.
+_STATES = {
+    "motor.resistance_ohm": "the winding's resistance",
+    "motor.torque_constant_Nm_per_A": "the strength of the magnets",
+    "screw.viscous_Nm_s_per_rad": "viscous friction",
+    "drive.supply_V": "the supply's voltage",
+    "control.kp_per_m": "the gain of the loop",
+    "effects.inverter_dead_time.drop_V": "what the inverter loses",
+}
+
 
 def missing_words(checked: CrossCheck) -> str:
     """The missing effect in words, for a list of reasons."""
@@ -139,9 +149,9 @@ def _reach(found: Identified) -> str:
         stands = checked.open.get(name)
         wide = 0.01 * found.least_percent[name] * abs(found.healthy[name])
         if stands is not None and max(stands.reach.below, stands.reach.above) > wide:
-            what = stands.reach.by.removeprefix("effects.")
+            what = _STATES.get(stands.reach.by, row_of(stands.reach.by).field)
             told.append(
-                f" {TITLES[name]} lies anywhere from {low:+.0f} to {high:+.0f} %, for this record hardly tells it from what {what} is today: {_more(checked)}."
+                f" {TITLES[name]} lies anywhere from {low:+.0f} to {high:+.0f} %: this record hardly tells it from {what}, which may be another today; {_more(checked)}."
             )
     return "".join(told)
 
@@ -162,7 +172,7 @@ def _hides(found: Identified) -> str:
     """What a healthy answer may hide, where that is much more than its threshold."""
     ends = _ends_percent(found)
     far = {name: high for name, (_, high) in ends.items() if high > _MUCH_HIDDEN * found.least_percent.get(name, np.inf)}
-    if found.verdict != "healthy" or found.sound_by_scatter or not far:
+    if found.verdict != "healthy" or _scatter(found) or not far:
         return ""
     name = max(far, key=lambda one: far[one] / found.least_percent[one])
     why = (
@@ -202,7 +212,7 @@ def _verdict(found: Identified) -> str:
     shifts = ", ".join(_shift(found, estimate) for estimate in found.answer.identified)
     if found.verdict == "undecided":
         return f"Undecided: the search reads {shifts}{BECAUSE}{'; '.join(reasons(found))}."
-    return f"{found.verdict.capitalize()}: {shifts}.{_not_sure(found)}{_scatter(found) if found.sound_by_scatter else ''}"
+    return f"{found.verdict.capitalize()}: {shifts}.{_not_sure(found)}{_scatter(found)}"
 
 
 def _not_sure(found: Identified) -> str:
@@ -216,8 +226,10 @@ def _not_sure(found: Identified) -> str:
 
 
 def _scatter(found: Identified) -> str:
-    """Why a shift near its threshold or beyond it is healthy."""
+    """Why a shift beyond its threshold is healthy."""
     shifts = found.checked.shift if found.checked is not None else {}
+    if not found.sound_by_scatter or all(shift <= 0.01 * found.least_percent[name] for name, shift in shifts.items()):
+        return ""
     near = max(shifts, key=lambda name: shifts[name] / found.least_percent[name])
     explained = (
         "another temperature than that of the healthy records explains" if found.mostly_climate() else "its healthy records differ by"
