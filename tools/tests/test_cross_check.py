@@ -167,6 +167,25 @@ def test_the_size_of_a_fault_reaches_over_what_the_drive_may_be_today(what: str)
     assert "lies anywhere from" not in sentence(every)
 
 
+def test_healthy_values_by_the_rod_position_alone_are_as_sure_as_the_data_sheet_is() -> None:
+    """A unit whose winding, grease and inertia are not the data sheet's: its healthy friction in Nm lies in its interval, which all signals make narrow."""
+    unit = {
+        "screw.csj_Nm": 1.04 * CSJ_NM,
+        "motor.resistance_ohm": 0.97 * RESISTANCE_OHM,
+        "screw.viscous_Nm_s_per_rad": 1.1 * KNOWN["screw.viscous_Nm_s_per_rad"],
+        "screw.inertia_kgm2": 0.98 * KNOWN["screw.inertia_kgm2"],
+    }
+    widths = []
+    for alone in (True, False):
+        healthy = [recorded(unit, "chirp", seed, alone=alone, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+        baseline = identification(identify(KNOWN, recorded(unit, "chirp", alone=alone), healthy), "", {}).baseline
+        assert baseline is not None
+        low, high = baseline.interval95["screw.csj_Nm"]
+        assert low is not None and high is not None and low < unit["screw.csj_Nm"] < high
+        widths.append(high - low)
+    assert 0.02 * CSJ_NM < widths[0] < 0.2 * CSJ_NM and widths[1] < 0.5 * widths[0]
+
+
 def weather(warmer_degC: float, wear: float = 0.0) -> dict[str, float]:
     """A machine at another temperature whose grease follows it less than most do: by 2 % a degree instead of 2.8 %."""
     return {

@@ -103,12 +103,7 @@ def open_state(known: KnownMachine, base: MachineFit, left: float = 0.0) -> dict
     here = known.residual(base.values)
     machine = known.actuator.changed(base.values)
     wanted = [one for one in spreads.of_today(machine) if not set(one.names) & set(known.faults)]
-
-    def slope(changes: Mapping[str, float], step: float) -> Reals:
-        return (known.residual({**base.values, **changes}) - here) / step
-
-    own = each(lambda name: slope({name: (1.0 + _STEP) * base.values[name]}, _STEP * base.values[name]), known.faults)
-    today = each(lambda one: slope(one.changes(machine, SMALL_SHARE), SMALL_SHARE), wanted)
+    own, today = _slopes(known, base, here, wanted)
     left_open = [one for one, column in zip(wanted, today, strict=True) if _left_open(known, base, own, column)]
     farther = [one for one, column in zip(wanted, today, strict=True) if one in left_open or _wanted(known, base, own, column, here)]
     near = _near(known, base, machine, farther)
@@ -127,6 +122,24 @@ def open_state(known: KnownMachine, base: MachineFit, left: float = 0.0) -> dict
         moved = max((abs(one.moved[name]) for one in profiles.values()), default=0.0)
         found[name] = OpenStd(std, worst, math.sqrt(max(std**2 - noise**2, 0.0)), moved, reach[name])
     return found
+
+
+def std_by_data_sheet(known: KnownMachine, base: MachineFit) -> dict[str, float]:
+    """Standard errors of CSJ and BLK themselves, by name, on a machine of which nothing but its data sheet and this record is known."""
+    sheet = [one for one in spreads.from_data_sheet(known.actuator.changed(base.values)) if not set(one.names) & set(known.faults)]
+    own, columns = _slopes(known, base, known.residual(base.values), sheet)
+    return {name: _marginal(own, columns, place) for place, name in enumerate(known.faults)}
+
+
+def _slopes(known: KnownMachine, base: MachineFit, here: Reals, states: Sequence[Spread]) -> tuple[list[Reals], list[Reals]]:
+    """How the residual, which is `here` [n] at the fit, moves with each fault, per unit of it, and with each of these states, per standard deviation, [n] each."""
+    machine = known.actuator.changed(base.values)
+
+    def slope(changes: Mapping[str, float], step: float) -> Reals:
+        return (known.residual({**base.values, **changes}) - here) / step
+
+    own = each(lambda name: slope({name: (1.0 + _STEP) * base.values[name]}, _STEP * base.values[name]), known.faults)
+    return own, each(lambda one: slope(one.changes(machine, SMALL_SHARE), SMALL_SHARE), states)
 
 
 def _marginal(own: Sequence[Reals], today: Sequence[Reals], place: int) -> float:

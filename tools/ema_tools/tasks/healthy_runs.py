@@ -20,6 +20,7 @@ from ema_tools.fit.temperature import Foretold, HealthyFriction, of_runs
 from ema_tools.plant.native import CHANNELS, NOT_DETERMINED, REASONS, SearchSettings
 from ema_tools.select.healthy_groups import checked_states
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
+from ema_tools.select.open_state import std_by_data_sheet
 from ema_tools.tasks.onboard_search import (
     DAY_VALUES,
     MIN_SHIFTS,
@@ -237,5 +238,8 @@ def healthy_runs(given: Actuator, beside: Compared, search: SearchSettings, bits
     if search.identified is None:
         weighed = replace(weighed, min_shift_percent=least)
     healthy = {name: known[name] for name in std}
-    baseline = Baseline(healthy, {name: one / math.sqrt(count) for name, one in std.items()}, count, std)
+    # the rod position by itself tells hardly more of a machine than its data sheet
+    alone = beside.signals == ("position_mm",)
+    open_std = std_by_data_sheet(beside.known_repeats[0], bases[0]) if alone else dict.fromkeys(names, 0.0)
+    baseline = Baseline(healthy, {name: math.hypot(one / math.sqrt(count), open_std[name]) for name, one in std.items()}, count, std)
     return replace(runs, baseline=baseline, search=weighed)
