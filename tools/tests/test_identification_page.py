@@ -76,7 +76,19 @@ def test_one_fault_of_two_is_said_to_be_one() -> None:
     assert found.replies[1].short == "Friction" and found.replies[1].more == "CSJ beyond +5 %"
     # beyond, but not surely
     data["blk_mm"] |= {"estimate": 0.0367, "shift_percent": 11.2, "interval95": [0.036, 0.0374]}
-    assert said(data).sentence == "The machine has a fault: friction (CSJ) +117.4 %; backlash (BLK) is near its threshold."
+    assert said(data).sentence == "The machine has a fault: friction (CSJ) +117.4 %; backlash (BLK) may be beyond its threshold."
+    # within, with an interval that is not
+    data["blk_mm"] |= {"estimate": 0.0335, "shift_percent": 1.5, "interval95": [0.028, 0.039]}
+    assert said(data).sentence == "The machine has a fault: friction (CSJ) +117.4 %; backlash (BLK) may be beyond its threshold."
+
+
+def test_a_healthy_answer_says_what_it_may_hide() -> None:
+    data = {**judged(FAULTY), "verdict": "healthy"}
+    data["csj_Nm"] |= {"estimate": 0.139, "shift_percent": 0.7, "interval95": [0.12, 0.158]}
+    data["blk_mm"] |= {"estimate": 0.0335, "shift_percent": 1.5, "interval95": [0.033, 0.034]}
+    assert "today's may be CSJ +14 %" in said(data).replies[1].more
+    data["csj_Nm"] |= {"interval95": [0.137, 0.141]}
+    assert "may be" not in said(data).replies[1].more
 
 
 @pytest.mark.parametrize(

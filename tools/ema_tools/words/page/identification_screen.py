@@ -53,7 +53,7 @@ def headline(result: ShownIdentification) -> str:
     if result.verdict == "fault":
         faulty = faults_of(result)
         others = [
-            f"{PLAIN[name]} is {'near' if one.beyond else 'within'} its threshold"
+            f"{PLAIN[name]} {'may be beyond' if one.may_be_beyond else 'is within'} its threshold"
             for name, one in result.faults.items()
             if name not in faulty
         ]
@@ -109,6 +109,8 @@ def _where(result: ShownIdentification) -> Reply:
     limits = {name: one.threshold_percent for name, one in result.faults.items() if one.threshold_percent is not None}
     if result.verdict == "healthy":
         told = ", ".join(f"{SHORT[name]} a fault from +{limit:g} % on" for name, limit in limits.items())
+        hidden = [f"{SHORT[name]} {words.shift(one.most_percent, 0)}" for name, one in result.faults.items() if one.hides_much]
+        told += f"; today's may be {names.listed(hidden)}" if hidden else ""
         return Reply(question, "Nowhere", told, "good")
     if result.verdict == "fault":
         faulty = faults_of(result)

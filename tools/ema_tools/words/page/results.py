@@ -26,6 +26,7 @@ from ema_tools.results.reading import result_of
 from ema_tools.results.workbench import BenchEntry
 from ema_tools.words.page.diagnosis_results import Diagnosed, diagnosed
 from ema_tools.words.page.recorded import Curves, Series, curves_of, fault
+from ema_tools.words.sentences.sizes import MUCH_HIDDEN
 
 FAULTS = KEYS
 BALANCES = ("mechanical", "electrical", "kinematic", "controller")
@@ -52,6 +53,21 @@ class ShownEstimate:
     def surely_beyond(self) -> bool:
         """Whether the whole interval is."""
         return self.beyond and (self.threshold_percent is None or self.shift_percent - self.reach_percent[0] > self.threshold_percent)
+
+    @property
+    def most_percent(self) -> float:
+        """The end of the interval above the shift, in % of the healthy value."""
+        return self.shift_percent + self.reach_percent[1]
+
+    @property
+    def may_be_beyond(self) -> bool:
+        """Whether some of the interval is."""
+        return self.beyond or (self.threshold_percent is not None and self.most_percent > self.threshold_percent)
+
+    @property
+    def hides_much(self) -> bool:
+        """Whether the interval reaches so far beyond what is called a fault that a healthy answer has to say so."""
+        return self.threshold_percent is not None and self.most_percent > MUCH_HIDDEN * self.threshold_percent
 
     @property
     def reach_percent(self) -> tuple[float, float]:

@@ -16,11 +16,10 @@ from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
-from ema_tools.words.sentences.sizes import size_text
+from ema_tools.words.sentences.sizes import MUCH_HIDDEN, size_text
 
 _TELLING = ("motor_position_mm", "current_A", "voltage_V")
 _NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
-_MUCH_HIDDEN = 2.0  # of a threshold: an interval of a healthy answer that reaches farther is said [judgement]
 # Between what the search reads and why it does not stand.
 BECAUSE = ", which does not stand, because "
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
@@ -171,7 +170,7 @@ def _ends_percent(found: Identified) -> dict[str, tuple[float, float]]:
 def _hides(found: Identified) -> str:
     """What a healthy answer may hide, where that is much more than its threshold."""
     ends = _ends_percent(found)
-    far = {name: high for name, (_, high) in ends.items() if high > _MUCH_HIDDEN * found.least_percent.get(name, np.inf)}
+    far = {name: high for name, (_, high) in ends.items() if high > MUCH_HIDDEN * found.least_percent.get(name, np.inf)}
     if found.verdict != "healthy" or _scatter(found) or not far:
         return ""
     name = max(far, key=lambda one: far[one] / found.least_percent[one])

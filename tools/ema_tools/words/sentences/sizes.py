@@ -8,6 +8,7 @@ from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import row_of
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 
+MUCH_HIDDEN = 2.0  # of a threshold: an interval of a healthy answer that reaches farther beyond it is said [judgement]
 _DECIMALS = 6  # of a number that is written without a power of ten [layout]
 _WRITTEN = 1e6  # below which a number's places before the point are written [layout]
 
