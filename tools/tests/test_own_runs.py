@@ -11,7 +11,7 @@ import pytest
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import read_actuator
 from ema_tools.data.records import read_record
-from ema_tools.tasks.own_runs import own_runs
+from ema_tools.tasks.own_runs import own_runs, why_not_used
 from support import RECORDINGS, complaint, run_ema
 
 UNIT = RECORDINGS / "unit"
@@ -38,7 +38,13 @@ def test_another_command_is_not_judged_beside_them(tmp_path: Path) -> None:
     model = read_actuator(UNIT / "unit.toml")
     slow = tmp_path / "slow.csv"
     assert run_ema("simulate", UNIT / "unit.toml", "--command", "triangle:amplitude_mm=2,start_hz=0.2,duration_s=10", "-o", slow).code == 0
-    assert own_runs(model, read_record(slow, model)) == ()
+    record = read_record(slow, model)
+    assert own_runs(model, record) == ()
+    assert "another command than the 3 healthy runs on which unit.toml was calibrated" in why_not_used(model, record)
+    assert "--healthy" in why_not_used(model, record)
+    assert not why_not_used(model, read_record(UNIT / "worn.csv", model))
+    ran = run_ema("identify", UNIT / "unit.toml", slow)
+    assert "slow.csv: it runs another command" in " ".join(ran.err.split())
 
 
 def test_the_file_names_them_from_its_own_folder_and_forgets_them_where_it_changes(tmp_path: Path) -> None:

@@ -305,7 +305,7 @@ def identify(
     from ema_tools.tasks.identify import identify as work
     from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
-    from ema_tools.tasks.own_runs import own_runs
+    from ema_tools.tasks.own_runs import own_runs, why_not_used
     from ema_tools.tasks.several_values import searched_of, several_values
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.identification import identification, values
@@ -370,6 +370,8 @@ def identify(
     if references and not asked:
         show.say(output(), f"held against {_few([one.file for one in references])}, on which {model.file} was calibrated")
     say_next(output(), result)
+    if not asked and not references and (unused := why_not_used(model, measured)):
+        complain(unused)
     for name in silent(measured):
         complain(f"{measured.file}: {name} does not change and is left out: check that its sensor was connected")
     _warn_of_search(actuator, warned)

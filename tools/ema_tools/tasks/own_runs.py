@@ -7,6 +7,7 @@ from pathlib import Path
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record, read_record
+from ema_tools.select.baseline import same_command
 from ema_tools.select.known_machine import repeats_of
 
 
@@ -15,5 +16,20 @@ def own_runs(actuator: Actuator, record: Record) -> tuple[Record, ...]:
 
     What has gone from its place since is passed over: the file holds what was learned from it. Raises InputError for one that cannot be read.
     """
-    there = [read_record(path, actuator) for path in actuator.healthy if Path(path).is_file()]
-    return repeats_of(record, [one for one in there if not same_samples(one, record)])
+    return repeats_of(record, _there(actuator, record))
+
+
+def _there(actuator: Actuator, record: Record) -> list[Record]:
+    found = [read_record(path, actuator) for path in actuator.healthy if Path(path).is_file()]
+    return [one for one in found if not same_samples(one, record)]
+
+
+def why_not_used(actuator: Actuator, record: Record) -> str:
+    """Why the unit's healthy runs do not stand beside a record of another command, and what to do; empty where that is not the reason."""
+    there = _there(actuator, record)
+    if not there or any(same_command(record, one) for one in there):
+        return ""
+    return (
+        f"{record.file}: it runs another command than the {len(there)} healthy runs on which {actuator.file} was calibrated, so they are not used: "
+        "run the ground test, or give healthy runs of this command with --healthy"
+    )
