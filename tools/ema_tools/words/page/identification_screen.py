@@ -219,9 +219,9 @@ def _next(result: ShownIdentification) -> Reply:
     advice = next((told for reason in result.reasons if (told := words.advice(reason))), "")
     if not result.adequate:
         return Reply(question, "Ask what is missing", advice.replace("`", ""), "", diagnose)
-    return Reply(
-        question, "Ask again", advice.replace("`", ""), "unsure", shlex.join(["ema", "identify", line.actuator, *record, *healthy])
-    )
+    # the same command on the same record would say the same again
+    again = ["ema", "identify", line.actuator, "NEXT.csv", *(healthy or ["--healthy", "healthy_*.csv"])]
+    return Reply(question, "Record again, and ask", advice.replace("`", ""), "unsure", shlex.join(again))
 
 
 def _follow(question: str, result: ShownIdentification, line: CommandLine) -> Reply:
