@@ -91,6 +91,9 @@ def test_a_healthy_answer_says_what_it_may_hide() -> None:
     assert "may be" not in said(data).replies[1].more
 
 
+NEAR = "a shift cannot be told from its threshold with the stated confidence"
+
+
 @pytest.mark.parametrize(
     ("kind", "changes", "command"),
     [
@@ -99,7 +102,7 @@ def test_a_healthy_answer_says_what_it_may_hide() -> None:
         (MISSING, {}, "ema add mine.toml stribeck_friction --fit today.csv --known -o NEW.toml"),
         (RIVAL, {}, "ema next mine.toml --between csj stribeck_friction"),
         (MISSING, {"missing_effect": None, "reasons": ["an effect is missing from the model"], "guard": None}, "ema diagnose mine.toml today.csv --healthy 'runs/healthy *.csv'"),
-        (MISSING, {"missing_effect": None, "adequate": True, "reasons": ["a shift cannot be told from its threshold with the stated confidence"], "guard": None}, "ema identify mine.toml NEXT.csv --healthy 'runs/healthy *.csv'"),
+        (MISSING, {"missing_effect": None, "adequate": True, "reasons": [NEAR], "guard": None}, "ema identify mine.toml NEXT.csv --healthy 'runs/healthy *.csv'"),
     ],
 )  # fmt: skip
 def test_next_command_has_the_paths_that_were_given(kind: str, changes: dict[str, Any], command: str) -> None:
