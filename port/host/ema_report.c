@@ -83,13 +83,21 @@ static void ema_write_shifts(const ema_report_t* report, FILE* out)
     }
 }
 
-/* Whether a shift is beyond its threshold, and whether its whole 95 % interval is. */
+/* Whether a shift is beyond its threshold, or `surely` so: by more than its doubt and what a sound machine scatters, as
+ * the session itself decides. */
 static bool ema_beyond(const ema_report_t* report, uint32_t fault, bool surely)
 {
-    const double healthy = fabs(ema_healthy(report, fault));
-    const double reach = surely ? (100.0 * ema_half_interval(report, fault)) / healthy : 0.0;
-    const double shift = (double)report->result.identified[fault].shift_percent;
-    return (shift - reach) > (double)report->config->identified[fault].min_shift_percent;
+    const ema_estimate_t* const found = &report->result.identified[fault];
+    const ema_params_t* const params = &report->config->actuator->params;
+    const double sure = (double)params->confidence_std;
+    double limit = (double)report->config->identified[fault].min_shift_percent;
+    if (surely) {
+        const double unseen = ((double)params->unseen_percent / 100.0) * limit;
+        const double per_value_percent = 100.0 / fabs(ema_healthy(report, fault));
+        limit = fmax(limit, sure * (double)found->scatter_percent) + unseen
+                + (((sure * (double)found->std) + (double)found->bias) * per_value_percent);
+    }
+    return (double)found->shift_percent > limit;
 }
 
 /* "CSJ beyond its threshold of +5 %": of both where both surely are, or neither is by itself. */
