@@ -8,7 +8,7 @@ import numpy as np
 
 from ema_tools.compare.comparison import TITLES as SIGNAL_TITLES
 from ema_tools.data.actuator import row_of
-from ema_tools.library.display_names import all_coded, coded
+from ema_tools.library.display_names import all_coded, coded, value_called
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
 from ema_tools.select.cross_check import LITTLE_LEFT, CrossCheck
@@ -23,16 +23,6 @@ _NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
 # Between what the search reads and why it does not stand.
 BECAUSE = ", which does not stand, because "
 TITLES = {"screw.csj_Nm": "CSJ", "screw.blk_mm": "BLK"}
-
-# What differs from day to day, in words.
-_STATES = {
-    "motor.resistance_ohm": "the winding's resistance",
-    "motor.torque_constant_Nm_per_A": "the strength of the magnets",
-    "screw.viscous_Nm_s_per_rad": "viscous friction",
-    "drive.supply_V": "the supply's voltage",
-    "control.kp_per_m": "the gain of the loop",
-    "effects.inverter_dead_time.drop_V": "what the inverter loses",
-}
 
 
 def missing_words(checked: CrossCheck) -> str:
@@ -148,7 +138,7 @@ def _reach(found: Identified) -> str:
         stands = checked.open.get(name)
         wide = 0.01 * found.least_percent[name] * abs(found.healthy[name])
         if stands is not None and max(stands.reach.below, stands.reach.above) > wide:
-            what = _STATES.get(stands.reach.by, row_of(stands.reach.by).field)
+            what = value_called(stands.reach.by)
             told.append(
                 f" {TITLES[name]} lies anywhere from {low:+.0f} to {high:+.0f} %: this record hardly tells it from {what}, which may be another today; {_more(checked)}."
             )
