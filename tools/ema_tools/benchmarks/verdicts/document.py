@@ -16,6 +16,8 @@ _VERDICTS = ("healthy", "fault", "undecided", "refused")
 _TITLES = {"csj": "CSJ", "blk": "BLK"}
 _SAMPLED = 6  # units of which the narrowest intervals are worked out: they differ by a tenth [precision]
 _WIDER = 1.5  # times what is possible
+_SIZE = "size of "  # a wrong answer that is right but for a size begins so
+_CHANCE = 0.33  # %, of a normal distribution beyond one and a half 95 % intervals [chance]
 
 
 def written(rows: Sequence[Row], command: str) -> str:
@@ -130,8 +132,14 @@ def _goals(rows: Sequence[Row]) -> str:
                 wide <= _WIDER,
                 " x",
             )
-    count = sum(bool(row["wrong"]) for row in rows)
-    goal(f"surely wrong, of {len(rows)} answers", "0", float(count), count == 0, "")
+    sizes = [row for row in rows if row["wrong"].startswith(_SIZE)]
+    verdicts = sum(bool(row["wrong"]) for row in rows) - len(sizes)
+    goal(f"surely wrong verdicts, of {len(rows)} answers", "0", float(verdicts), verdicts == 0, "")
+    faulty = [row for row in rows if row["verdict"] == "fault"]
+    stated = sum(len(_sizes(faulty, name)) for name in _TITLES)
+    if stated:
+        share = 100.0 * len(sizes) / stated
+        goal(f"sizes surely off, of {stated} stated of faults", f"<= {_CHANCE:g} %, by chance", share, share <= _CHANCE)
     return "## Goals\n\n" + table(("", "goal", "met", "reached"), found, 2)
 
 
@@ -186,7 +194,24 @@ def _drawn(rows: Sequence[Row]) -> str:
             text = words.get(value, str(value))
             found.append(_verdicts((text,), [row for row in drawn if row[name] == value]))
         parts.append(table((title, "answers", *(f"{one}, %" for one in _VERDICTS), "wrong"), found, 6))
-    return "\n".join(parts)
+    return "\n".join([*parts, _drawn_sizes([row for row in drawn if row["verdict"] == "fault"])])
+
+
+def _drawn_sizes(faulty: Sequence[Row]) -> str:
+    """How right the sizes of these faults are."""
+    found = []
+    for alone in (False, True):
+        some = [row for row in faulty if row["alone"] == alone]
+        told = [
+            (f"{_error(some, name):.2f}", f"{_held(some, name):.1f}", f"{np.median([one['half'] for one in _sizes(some, name)]):.2f}")
+            for name in _TITLES
+            if _sizes(some, name)
+        ]
+        if len(told) == len(_TITLES):
+            found.append(("rod position alone" if alone else "four signals", str(len(some)), *told[0], *told[1]))
+    each = ("rms error {}, %", "intervals that hold, %", "half interval, median, %")
+    headings = [one.format(title) for title in _TITLES.values() for one in each]
+    return table(("sizes of faults, by signals", "faults", *headings), found, 7)
 
 
 def _wrong(rows: Sequence[Row]) -> str:
