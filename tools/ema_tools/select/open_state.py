@@ -104,8 +104,11 @@ def open_state(known: KnownMachine, base: MachineFit, left: float = 0.0) -> dict
     machine = known.actuator.changed(base.values)
     wanted = [one for one in spreads.of_today(machine) if not set(one.names) & set(known.faults)]
     own, today = _slopes(known, base, here, wanted)
-    left_open = [one for one, column in zip(wanted, today, strict=True) if _left_open(known, base, own, column)]
-    farther = [one for one, column in zip(wanted, today, strict=True) if one in left_open or _wanted(known, base, own, column, here)]
+    apart = [_apart(own, column) for column in today]
+    left_open = [one for one, (follows, rest) in zip(wanted, apart, strict=True) if _left_open(known, base, follows, rest)]
+    farther = [
+        one for one, (follows, rest) in zip(wanted, apart, strict=True) if one in left_open or _wanted(known, base, follows, rest, here)
+    ]
     near = _near(known, base, machine, farther)
     profiles = {one.state.title: _profile(known, base, one) for one in near if one.state in left_open and _is_open(one, base)}
     reach = _reach(known, base, machine, [one for one in near if one.state.title in profiles or _takes_off(one, base)])
@@ -164,15 +167,13 @@ def _moves(known: KnownMachine, base: MachineFit, follows: Reals) -> bool:
     return any(abs(float(one)) > _MUCH * base.values[name] for one, name in zip(follows, known.faults, strict=True))
 
 
-def _left_open(known: KnownMachine, base: MachineFit, own: Sequence[Reals], column: Reals) -> bool:
+def _left_open(known: KnownMachine, base: MachineFit, follows: Reals, rest: Reals) -> bool:
     """Whether a state moves a fault much where nothing else follows it, and may be no other than the fault to the record."""
-    follows, rest = _apart(own, column)
     return _moves(known, base, follows) and float(rest @ rest) < _SURELY_TOLD
 
 
-def _wanted(known: KnownMachine, base: MachineFit, own: Sequence[Reals], column: Reals, here: Reals) -> bool:
+def _wanted(known: KnownMachine, base: MachineFit, follows: Reals, rest: Reals, here: Reals) -> bool:
     """Whether a state would explain more of what is left `here` [n] than chance does, and move a fault much there."""
-    follows, rest = _apart(own, column)
     told = float(rest @ rest)
     size = -float(rest @ here) / told if told > 0.0 else 0.0
     return size * size * told > _AS_WELL and _moves(known, base, size * follows)

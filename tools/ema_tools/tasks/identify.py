@@ -99,9 +99,8 @@ class Identified:
         low, high = interval95(one.estimate, bias, day)
         if stands is None or low is None or high is None:
             return low, high
-        return one.estimate - math.hypot(one.estimate - low, stands.reach.below), one.estimate + math.hypot(
-            high - one.estimate, stands.reach.above
-        )
+        below, above = math.hypot(one.estimate - low, stands.reach.below), math.hypot(high - one.estimate, stands.reach.above)
+        return one.estimate - below, one.estimate + above
 
     def day_std(self, name: str) -> float:
         """By how much a machine's value is read apart from run to run, against the mean of its healthy records where there are two or more: as the actuator states, as those records show it,
@@ -155,13 +154,17 @@ class Identified:
         if self.sound_by_scatter:
             return None
         if self.answer.verdict == "undecided":
-            near = self.answer.reasons == (_NEAR_THRESHOLD,)
-            return "open" if near and (self.within_scatter() or self._open_by_climate()) else None
+            return "open" if self._is_near and (self.within_scatter() or self._open_by_climate()) else None
         if self.doubt:
             return "healthy"
         if any(map(self._moved, self.answer.identified)):
             return "signals"
         return None if self._stands(checked) else "open"
+
+    @property
+    def _is_near(self) -> bool:
+        """Whether all that keeps the module from a verdict is that a shift lies near its threshold."""
+        return self.answer.reasons == (_NEAR_THRESHOLD,)
 
     def _moved(self, estimate: IdentifiedValue) -> bool:
         """Whether all signals say another shift than the module does."""
@@ -208,7 +211,7 @@ class Identified:
     def _open_by_climate(self) -> bool:
         """Whether an answer that is or may be healthy is one of a faulty machine at today's temperature as well."""
         shifts = self.checked.shift if self.checked is not None else {}
-        may_be_healthy = self.answer.verdict == "healthy" or self.answer.reasons == (_NEAR_THRESHOLD,)
+        may_be_healthy = self.answer.verdict == "healthy" or self._is_near
         if self.foretold is None or not may_be_healthy or DRY not in shifts or not self.mostly_climate():
             return False
         return shifts[DRY] + _SURELY_LESS * self.foretold.std > self.not_hidden(DRY)
@@ -223,7 +226,7 @@ class Identified:
         checked = self.checked
         if checked is None or checked.kind != "adequate" or checked.against == 0 or self.doubt or not self._shown:
             return False
-        is_near = self.answer.verdict == "fault" or self.answer.reasons == (_NEAR_THRESHOLD,)
+        is_near = self.answer.verdict == "fault" or self._is_near
         if not is_near or any(map(self._moved, self.answer.identified)):
             return False
         doubt = self._doubts(checked)
