@@ -16,7 +16,7 @@ typedef struct {
     const double* command_mm;
     size_t rows;
     ema_real start_mm;
-    double* out;
+    ema_real* out;
     int32_t* unlocated_event_steps;
     int32_t* status;
     int64_t* left;
@@ -62,26 +62,28 @@ static void ema_group_fill(ema_group_t* group)
     }
 }
 
-/* One signal of a lane from the rows that are kept, to its place behind the `first` rows. */
-static void ema_group_signal(const ema_lane_t* signal, uint32_t lane, size_t kept, double* out)
+/* One signal from the rows that are kept, to each lane's place. */
+static void ema_group_signal(const ema_group_t* group, const ema_batch_t* batch, const ema_lane_t* signal, size_t kept,
+                             ema_real* out)
 {
     const size_t stride = sizeof(ema_lanes_output_t) / sizeof(ema_lane_t);
-    for (size_t row = 0; row < kept; ++row) {
-        out[row] = (double)signal[row * stride][lane];
+    for (uint32_t lane = 0; lane < group->lanes.count; ++lane) {
+        ema_real* const own = &out[group->run[lane] * 5U * batch->rows];
+        for (size_t row = 0; row < kept; ++row) {
+            own[row] = signal[row * stride][lane];
+        }
     }
 }
 
 static void ema_group_show(const ema_group_t* group, const ema_batch_t* batch, size_t first, size_t kept)
 {
     const ema_lanes_output_t* const shown = group->lanes.rows;
-    for (uint32_t lane = 0; lane < group->lanes.count; ++lane) {
-        double* const out = &batch->out[(group->run[lane] * 5U * batch->rows) + first];
-        ema_group_signal(&shown->position_mm, lane, kept, out);
-        ema_group_signal(&shown->motor_position_mm, lane, kept, &out[batch->rows]);
-        ema_group_signal(&shown->current_A, lane, kept, &out[2U * batch->rows]);
-        ema_group_signal(&shown->voltage_V, lane, kept, &out[3U * batch->rows]);
-        ema_group_signal(&shown->speed_mm_s, lane, kept, &out[4U * batch->rows]);
-    }
+    ema_real* const out = &batch->out[first];
+    ema_group_signal(group, batch, &shown->position_mm, kept, out);
+    ema_group_signal(group, batch, &shown->motor_position_mm, kept, &out[batch->rows]);
+    ema_group_signal(group, batch, &shown->current_A, kept, &out[2U * batch->rows]);
+    ema_group_signal(group, batch, &shown->voltage_V, kept, &out[3U * batch->rows]);
+    ema_group_signal(group, batch, &shown->speed_mm_s, kept, &out[4U * batch->rows]);
 }
 
 /* A lane that has left the finite numbers ends; what takes its place stays finite a while and is not looked at. */
@@ -142,7 +144,7 @@ static void ema_run_alone(ema_group_t* group, const ema_batch_t* batch, uint32_t
 {
     const size_t run = group->run[lane];
     const int32_t every = group->actuator[lane].options.record_every_steps;
-    double* const out = &batch->out[run * 5U * batch->rows];
+    ema_real* const out = &batch->out[run * 5U * batch->rows];
     ema_model_t* const model = &group->alone;
     ema_status_t status = ema_model_init(model, &group->actuator[lane], batch->start_mm);
     for (size_t row = 0; (status == EMA_OK) && (row < batch->rows); ++row) {
@@ -150,11 +152,11 @@ static void ema_run_alone(ema_group_t* group, const ema_batch_t* batch, uint32_t
             ema_output_t output = {0};
             status = ema_model_step(model, (ema_real)batch->command_mm[row], &output);
             if (k == 0) {
-                out[row] = (double)output.position_mm;
-                out[batch->rows + row] = (double)output.motor_position_mm;
-                out[(2U * batch->rows) + row] = (double)output.current_A;
-                out[(3U * batch->rows) + row] = (double)output.voltage_V;
-                out[(4U * batch->rows) + row] = (double)output.speed_mm_s;
+                out[row] = output.position_mm;
+                out[batch->rows + row] = output.motor_position_mm;
+                out[(2U * batch->rows) + row] = output.current_A;
+                out[(3U * batch->rows) + row] = output.voltage_V;
+                out[(4U * batch->rows) + row] = output.speed_mm_s;
             }
         }
     }
@@ -199,8 +201,8 @@ int32_t ema_lanes_avx2(void)
 }
 
 int32_t ema_lanes_simulate(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
-                           int32_t rows, double start_mm, double* out, int32_t* unlocated_event_steps, int32_t* status,
-                           int64_t* left)
+                           int32_t rows, double start_mm, ema_real* out, int32_t* unlocated_event_steps,
+                           int32_t* status, int64_t* left)
 {
     if ((values == NULL) || (options == NULL) || (command_mm == NULL) || (out == NULL)
         || (unlocated_event_steps == NULL) || (status == NULL) || (left == NULL)) {

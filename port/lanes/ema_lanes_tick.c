@@ -105,7 +105,7 @@ static void ema_lanes_control_general(ema_lanes_t* lanes, ema_real command_mm, c
 static void ema_lanes_follow(ema_lanes_t* lanes)
 {
     const ema_plant_t* const shape = &lanes->plant[0];
-    if (shape->motor_circuit.algebraic || shape->current_loop.algebraic) {
+    if (shape->motor_circuit.algebraic || (shape->drive.current_mode && shape->current_loop.algebraic)) {
         for (uint32_t l = 0; l < EMA_LANES; ++l) {
             ema_state_t* const state = &lanes->state[l];
             const ema_drive_output_t applied = {lanes->applied.input[l], lanes->applied.voltage_V[l],

@@ -14,7 +14,7 @@ from ema_tools.benchmarks.effects import costed_changes
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.library.definitions import load_definitions, named_library
 from ema_tools.plant.lanes import Lanes, lanes
-from ema_tools.plant.native import OUTPUTS, Simulation, library
+from ema_tools.plant.native import OUTPUTS, library
 
 STEP_S = 1e-3
 ROWS = 3000
@@ -78,13 +78,16 @@ def spread_over(changes: Mapping[str, float], runs: int) -> list[dict[str, float
 
 def assert_same_bits(changes: Sequence[Mapping[str, float]], command_mm: Reals, bits: int = 64, start_mm: float = 0.0) -> None:
     values, options = rows_of(changes)
-    together = library(bits).simulate_many(values, options, command_mm, start_mm)
-    for row, many in zip(values, together, strict=True):
-        assert isinstance(many, Simulation)
-        one = library(bits).simulate(row, options, command_mm, start_mm)
-        for name in OUTPUTS:
-            assert getattr(one, name).tobytes() == getattr(many, name).tobytes(), name
-        assert one.unlocated_event_steps == many.unlocated_event_steps
+    alone = [library(bits).simulate(row, options, command_mm, start_mm) for row in values]
+    together = library(bits).simulate_many(values, options, command_mm, start_mm=start_mm)
+    for one, many in zip(alone, together, strict=True):
+        assert isinstance(many, np.ndarray)
+        for name, signal in zip(OUTPUTS, many, strict=True):
+            assert getattr(one, name).tobytes() == signal.tobytes(), name
+    build = lanes(bits, len(values))
+    assert build is not None
+    with build.simulated(values, options, command_mm, start_mm) as runs:
+        assert runs.unlocated_event_steps.tolist() == [one.unlocated_event_steps for one in alone]
 
 
 @pytest.mark.parametrize("bits", [32, 64])
@@ -160,8 +163,8 @@ def test_a_run_that_is_refused_or_diverges_leaves_the_others_alone() -> None:
             assert isinstance(many, InputError)
             assert str(many) == str(error)
         else:
-            assert isinstance(many, Simulation)
-            assert np.array_equal(one.current_A, many.current_A)
+            assert isinstance(many, np.ndarray)
+            assert np.array_equal(one.current_A, many[OUTPUTS.index("current_A")])
     assert [isinstance(many, InputError) for many in together][:4] == [False, True, False, True]
 
 
@@ -187,8 +190,11 @@ def test_every_build_has_the_same_bits(bits: int, name: str) -> None:
     assert best is not None
     assert best.path.name.startswith(f"lib{name}_avx2" if best.avx2 else f"lib{name}.")
     plain = Lanes(name, bits)
-    first, second = (build.simulate(values, options, command("chirp"), 0.0) for build in (best, plain))
-    assert first.out.tobytes() == second.out.tobytes()
+    with (
+        best.simulated(values, options, command("chirp"), 0.0) as first,
+        plain.simulated(values, options, command("chirp"), 0.0) as second,
+    ):
+        assert first.out.tobytes() == second.out.tobytes()
     assert not np.any(first.status)
     # most spans go through the lanes, some do not
     assert 0.0 < first.left < 0.1 * first.spans
@@ -204,6 +210,23 @@ def test_without_the_lanes_runs_go_one_after_the_other(monkeypatch: pytest.Monke
     monkeypatch.setattr("ema_tools.plant.native.lanes", lambda bits, runs: None)
     values, options = rows_of(spread_over({}, 2))
     values[1, load_definitions().ids["screw.csj_Nm"]] = np.nan
-    good, bad = library().simulate_many(values, options, command("chirp"))
-    assert isinstance(good, Simulation)
+    good, bad = library().simulate_many(values, options, command("chirp"), ("current_A", "position_mm"))
+    alone = library().simulate(values[0], options, command("chirp"))
+    assert isinstance(good, np.ndarray)
+    assert good.tobytes() == np.array([alone.current_A, alone.position_mm]).tobytes()
     assert isinstance(bad, InputError)
+
+
+def test_memory_is_lent_again_and_never_to_two_at_once() -> None:
+    build = Lanes("ema_lanes32", 32)
+    values, options = rows_of(spread_over({}, 4))
+    other, _ = rows_of(spread_over({"screw.csj_Nm": 0.3}, 4))
+    with build.simulated(values, options, command("chirp"), 0.0) as first:
+        shown, place = first.out.copy(), first.out.ctypes.data
+        assert place % 64 == 0
+        with build.simulated(other, options, command("chirp"), 0.0) as second:
+            assert not np.shares_memory(first.out, second.out)
+            assert not np.array_equal(second.out, shown)
+        assert np.array_equal(first.out, shown)
+    with build.simulated(other, options, command("steps"), 0.0) as third:
+        assert third.out.ctypes.data == place

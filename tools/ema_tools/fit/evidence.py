@@ -74,9 +74,9 @@ def simulate_side_by_side(
 
     def share(part: Sequence[tuple[int, Actuator]]) -> None:
         arrays = [changed.arrays() for _, changed in part]
-        runs = library(32).simulate_many(np.array([values for values, _ in arrays]), arrays[0][1], record.command_mm, start_mm)
+        runs = library(32).simulate_many(np.array([values for values, _ in arrays]), arrays[0][1], record.command_mm, channels, start_mm)
         for (place, _), run in zip(part, runs, strict=True):
-            found[place] = run if isinstance(run, InputError) else seen(place, np.array([getattr(run, name) for name in channels]))
+            found[place] = run if isinstance(run, InputError) else seen(place, run)
 
     size = min(_SIDE_BY_SIDE, max(1, -(-len(changes) // idle())))
     parts = [group[first : first + size] for group in alike.values() for first in range(0, len(group), size)]

@@ -10,7 +10,7 @@ import ctypes
 import functools
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int16, c_int32, c_int64, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
 from pathlib import Path
@@ -538,8 +538,11 @@ class Library:
         self._raise_on(status, "simulate", values, options)
         return Simulation(out[0], out[1], out[2], out[3], out[4], unlocated_event_steps.value)
 
-    def simulate_many(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float = 0.0) -> list[Simulation | InputError]:
-        """`simulate` for each row of `values` [runs, values] with the same options: the same bits, in a share of the time where the runs differ in size alone.
+    def simulate_many(
+        self, values: Reals, options: Integers, command_mm: Reals, signals: Sequence[str] = OUTPUTS, start_mm: float = 0.0
+    ) -> list[Reals | InputError]:
+        """The `signals` [signals, rows], of OUTPUTS, that `simulate` gives for each row of `values` [runs, values] with the same options: the same bits, in a share of the time
+        where the runs differ in size alone.
 
         In the place of a run that the model refuses stands the error that `simulate` raises. Raises LibraryError when the libraries are of different builds.
         """
@@ -547,20 +550,22 @@ class Library:
         rows = np.ascontiguousarray(values, dtype=np.float64)
         beside = lanes(self.bits, len(rows))
         if beside is None:
-            return [self._tried(row, options, command, start_mm) for row in rows]
-        runs = beside.simulate(rows, options, command, start_mm)
-        return [
-            Simulation(out[0], out[1], out[2], out[3], out[4], int(unlocated))
-            if status == 0
-            else self._refusal(int(status), "simulate", row, options)
-            for row, out, status, unlocated in zip(rows, runs.out, runs.status, runs.unlocated_event_steps, strict=True)
-        ]
+            return [self._tried(row, options, command, signals, start_mm) for row in rows]
+        places = [OUTPUTS.index(name) for name in signals]
+        with beside.simulated(rows, options, command, start_mm) as runs:
+            return [
+                np.array([out[place] for place in places], dtype=np.float64)
+                if status == 0
+                else self._refusal(int(status), "simulate", row, options)
+                for row, out, status in zip(rows, runs.out, runs.status, strict=True)
+            ]
 
-    def _tried(self, values: Reals, options: Integers, command_mm: Reals, start_mm: float) -> Simulation | InputError:
+    def _tried(self, values: Reals, options: Integers, command_mm: Reals, signals: Sequence[str], start_mm: float) -> Reals | InputError:
         try:
-            return self.simulate(values, options, command_mm, start_mm)
+            run = self.simulate(values, options, command_mm, start_mm)
         except InputError as error:
             return error
+        return np.array([getattr(run, name) for name in signals])
 
     def command(self, kind: str, numbers: dict[str, float], step_s: float, rows: int) -> Reals:
         """Samples [rows] of the command `kind` (of COMMAND_KINDS) at multiples of `step_s`; `numbers` by COMMAND_NUMBERS.
