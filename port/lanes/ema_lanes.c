@@ -130,6 +130,8 @@ void ema_lanes_start(ema_lanes_t* lanes)
         lanes->constant.rate_speed[l] = circuit->rate_speed;
         lanes->constant.rate_voltage[l] = circuit->rate_voltage;
         lanes->constant.linear_current_A[l] = plant->linear_current_A;
+        lanes->constant.held_current_A[l] =
+            (plant->drive.current_limit_A < plant->torque_limit_A) ? plant->drive.current_limit_A : EMA_R(-1.0);
         lanes->constant.step_s[l] = plant->step_s;
         lanes->substep_s[l] = plant->substep_s;
         lanes->asked[l] = EMA_R(1.0);

@@ -93,6 +93,7 @@ typedef struct {
     ema_lane_t rate_speed;
     ema_lane_t rate_voltage;
     ema_lane_t linear_current_A;
+    ema_lane_t held_current_A; /* the drive's limit where it lies below the torque's, else negative */
     ema_lane_t step_s;
 } ema_lanes_plant_t;
 

@@ -1,6 +1,7 @@
 /* An integration step with its events in several lanes at once: what ema_located.c, ema_events.c and ema_series.c do
- * under the same names, for shafts that come to rest, stay there, turn and break away. Whatever else happens (an end of
- * travel, a limit of the current) is left to them: such a lane goes back to where the step began. */
+ * under the same names, for shafts that come to rest, stay there, turn and break away, and for currents that the drive
+ * holds at its limit. Whatever else happens (an end of travel, a current that comes to its limit or leaves it) is left
+ * to them: such a lane goes back to where the step began. */
 #include "ema_effect_sites.h"
 #include "ema_lanes.h"
 #include "ema_math.h"
@@ -20,6 +21,8 @@ typedef struct {
     ema_lanes_terms_t speed_rad_s;
     ema_lanes_terms_t turn_rad;
     ema_lanes_terms_t torque_Nm; /* of lanes at rest */
+    ema_lane_t held;             /* a flag: the current stays as it is */
+    bool any_held;
 } ema_lanes_series_t;
 
 /* ema_event_t; of the kinds only these. */
@@ -133,8 +136,9 @@ static void ema_lanes_series_term(const ema_lanes_t* lanes, ema_lanes_series_t* 
                                    + (constant->rate_voltage[l] * input[l]));
         series->turn_rad.term[k + 1U][l] = share_s * speed_rad_s;
         series->speed_rad_s.term[k + 1U][l] = share_s * ema_choose(stuck, EMA_R(0.0), moving_rad_s2);
-        series->current_A.term[k + 1U][l] = next_A;
-        series->torque_Nm.term[k + 1U][l] = gain * next_A;
+        const ema_real gained_A = ema_choose(series->held[l], EMA_R(0.0), next_A);
+        series->current_A.term[k + 1U][l] = gained_A;
+        series->torque_Nm.term[k + 1U][l] = gain * gained_A;
     }
 }
 
@@ -184,6 +188,58 @@ static void ema_lanes_segment_end(ema_lanes_t* lanes, ema_lanes_series_t* series
     }
 }
 
+/* Sets `held` where the drive holds the current at its limit: of ema_regime_update. A lane that is no such lane and yet
+ * at a limit is left to it. */
+static void ema_lanes_hold(const ema_lanes_t* lanes, ema_lanes_series_t* series)
+{
+    ema_lane_bit_t any = 0;
+    EMA_EACH_LANE
+    {
+        const ema_real start_A = lanes->segment.start.current_A[l];
+        const ema_real rate = (lanes->constant.rate_current[l] * start_A)
+                              + (lanes->constant.rate_speed[l] * lanes->now.speed_rad_s[l])
+                              + (lanes->constant.rate_voltage[l] * lanes->segment.forces.input[l]);
+        const ema_real held =
+            ema_flag(ema_abs(start_A) == lanes->constant.held_current_A[l]) * ema_flag((rate * start_A) > EMA_R(0.0));
+        series->held[l] = held;
+        any |= (held != EMA_R(0.0)) ? 1 : 0;
+    }
+    series->any_held = any != 0;
+}
+
+/* Clears `stays` where a held current is let go: ema_event_release. */
+static void ema_lanes_release(const ema_lanes_t* lanes, const ema_lanes_series_t* series, ema_lane_t stays)
+{
+    const ema_lanes_segment_t* const segment = &lanes->segment;
+    ema_lanes_terms_t rate;
+    ema_lane_t whole;
+    ema_lane_t end;
+    for (uint32_t k = 0; k <= EMA_SERIES_TERMS; ++k) {
+        EMA_EACH_LANE
+        {
+            const ema_real stuck = ema_flag(lanes->now.motion[l] == (ema_real)EMA_MOTION_STUCK);
+            const ema_real moving = lanes->constant.rate_speed[l] * series->speed_rad_s.term[k][l];
+            rate.term[k][l] = ema_choose(stuck, EMA_R(0.0), moving);
+        }
+    }
+    EMA_EACH_LANE
+    {
+        const ema_real held_A = segment->start.current_A[l];
+        rate.term[0][l] +=
+            (lanes->constant.rate_current[l] * held_A) + (lanes->constant.rate_voltage[l] * segment->forces.input[l]);
+        rate.term[1][l] += lanes->constant.rate_voltage[l] * segment->driven[EMA_DRIVEN_INPUT_RISE][l];
+        whole[l] = EMA_R(1.0);
+    }
+    ema_lanes_series_at(&rate, whole, end);
+    EMA_EACH_LANE
+    {
+        const ema_real held_A = segment->start.current_A[l];
+        const ema_real goes =
+            ema_flag((end[l] * held_A) < EMA_R(0.0)) * ema_flag((rate.term[0][l] * held_A) > EMA_R(0.0));
+        stays[l] *= ema_not(series->held[l] * goes);
+    }
+}
+
 /* Flags: which way a shaft at rest goes: ema_screw_break_away. */
 static inline void ema_lane_break_away(const ema_lanes_t* lanes, uint32_t l, ema_real torque_Nm, ema_real forward_Nm,
                                        ema_real backward_Nm, ema_real* forward, ema_real* backward)
@@ -211,6 +267,9 @@ static void ema_lanes_event_find(ema_lanes_t* lanes, ema_lanes_series_t* series,
     ema_lane_t leaves;
     ema_lane_bit_t any = 0;
     ema_lanes_segment_end(lanes, series);
+    if (series->any_held) {
+        ema_lanes_release(lanes, series, stays);
+    }
     EMA_EACH_LANE
     {
         whole[l] = EMA_R(1.0);
@@ -238,9 +297,9 @@ static void ema_lanes_event_find(ema_lanes_t* lanes, ema_lanes_series_t* series,
         const ema_real onward = ema_flag((motion * segment->end.speed_rad_s[l]) > EMA_R(0.0));
         const ema_real reverses = moves * ema_not(onward);
         const ema_real starts_onward = ema_flag((motion * speed_rad_s[l]) > EMA_R(0.0));
-        stays[l] *= ema_flag(ema_abs(segment->start.current_A[l]) < constant->linear_current_A[l])
-                    * ema_flag(ema_abs(segment->end.current_A[l]) <= constant->linear_current_A[l])
-                    * ema_not(moves * ema_flag(stops > EMA_R(0.0)));
+        const ema_real linear = ema_flag(ema_abs(segment->start.current_A[l]) < constant->linear_current_A[l])
+                                * ema_flag(ema_abs(segment->end.current_A[l]) <= constant->linear_current_A[l]);
+        stays[l] *= ema_choose(series->held[l], EMA_R(1.0), linear) * ema_not(moves * ema_flag(stops > EMA_R(0.0)));
         event->rest[l] = reverses;
         event->forward[l] = rests * ema_choose(held, later_ahead, ahead);
         event->backward[l] = rests * ema_choose(held, later_behind, behind);
@@ -377,6 +436,7 @@ void ema_lanes_events(ema_lanes_t* lanes, const ema_real* span_s)
     }
     for (uint32_t k = 0; goes_on && (k < EMA_EVENTS_MAX); ++k) {
         ema_lanes_segment_open(lanes);
+        ema_lanes_hold(lanes, &series);
         if (effects) {
             ema_lanes_segment_end(lanes, &series);
             ema_lanes_forces_at(lanes, &segment->end);

@@ -19,8 +19,9 @@ int32_t ema_lanes_avx2(void);
  * but in the library's own precision, since double would write twice as much that says the same: the very bits of one
  * run after the other. What is cheaper together runs together: actuators in which the same effects act and the same
  * blocks have the same form; they may stand in any order. `status` is an ema_status_t for each; where it is not EMA_OK
- * what `out` holds of the run means nothing. `unlocated_event_steps` counts steps with more events than are located. `left` counts, over all runs together, [0] the spans of the motion of all lanes and [1] those of
- * them that went through the model's own functions. Memory: about 200 kB of stack. EMA_ERR_NULL, or EMA_OK. */
+ * what `out` holds of the run means nothing. `unlocated_event_steps` counts steps with more events than are located.
+ * `left` counts, over all runs together, [0] the spans of the motion of all lanes and [1] those of them that went
+ * through the model's own functions. Memory: about 200 kB of stack. EMA_ERR_NULL, or EMA_OK. */
 int32_t ema_lanes_simulate(const double* values, const int32_t* options, int32_t runs, const double* command_mm,
                            int32_t rows, double start_mm, ema_real* out, int32_t* unlocated_event_steps,
                            int32_t* status, int64_t* left);

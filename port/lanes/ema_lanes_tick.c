@@ -24,15 +24,15 @@ static void ema_lanes_read(ema_lanes_t* lanes)
         row->position_mm[l] = ema_encoder_rod(&encoder, now->rod_mm[l]);
         row->motor_position_mm[l] = now->motor_mm[l];
     }
-    if (ema_acts_on_reading(&lanes->plant[0])) {
+    /* how far outside its table a lane has been is not told: what ema_site_seen watches is left out */
+    if (ema_acts(&lanes->plant[0], EMA_SITE_READING)) {
         for (uint32_t l = 0; l < EMA_LANES; ++l) {
-            ema_state_t* const state = &lanes->state[l];
-            state->current_A = now->current_A[l];
-            state->speed_rad_s = now->speed_rad_s[l];
-            state->angle_rad = now->angle_rad[l];
-            state->motor_mm = now->motor_mm[l];
-            state->rod_mm = now->rod_mm[l];
-            row->position_mm[l] += ema_site_seen(&lanes->plant[l], state);
+            const ema_site_t here = {.plant = &lanes->plant[l],
+                                     .speed_rad_s = now->speed_rad_s[l],
+                                     .angle_rad = now->angle_rad[l],
+                                     .position_mm = now->rod_mm[l],
+                                     .current_A = now->current_A[l]};
+            row->position_mm[l] += ema_site_reading(&lanes->plant[l], &here);
         }
     }
 }

@@ -27,6 +27,7 @@ FORMS: Mapping[str, Mapping[str, float]] = {
     "stops": {"screw.travel_mm": 1.4},
     "a limit of the current": {"drive.current_limit_A": 2.0, "motor.torque_limit_Nm": 0.18},
     "a limit of the torque": {"motor.torque_limit_Nm": 0.16},
+    "a drive that holds the current": {"drive.current_limit_A": 2.2},
     "a late drive": {"drive.output_delay_s": 2.4e-3},
     "a drive that is late by whole steps": {"drive.output_delay_s": 2e-3},
     "a late and coarse sensor": {"encoder.delay_s": 1.3e-3, "encoder.resolution_mm": 0.002, "encoder.side": 1},
@@ -110,7 +111,16 @@ def test_every_form_of_the_blocks(form: str, kind: str) -> None:
     "effect", ["stribeck_friction", "presliding", "transmission_compliance", "source_resistance", "torque_ripple", "learned_torque"]
 )
 @pytest.mark.parametrize(
-    "form", ["stops", "a limit of the current", "a late drive", "a current loop short of voltage", "no inductance", "substeps"]
+    "form",
+    [
+        "stops",
+        "a limit of the current",
+        "a drive that holds the current",
+        "a late drive",
+        "a current loop short of voltage",
+        "no inductance",
+        "substeps",
+    ],
 )
 def test_effects_beside_events(form: str, effect: str) -> None:
     assert_same_bits(spread_over({**costed_changes()[effect], **FORMS[form]}, 5), command("rests"))
@@ -230,3 +240,13 @@ def test_memory_is_lent_again_and_never_to_two_at_once() -> None:
         assert np.array_equal(first.out, shown)
     with build.simulated(other, options, command("steps"), 0.0) as third:
         assert third.out.ctypes.data == place
+
+
+def test_a_current_that_the_drive_holds_stays_in_the_lanes() -> None:
+    values, options = rows_of(spread_over(FORMS["a drive that holds the current"], 9))
+    build = lanes(32, len(values))
+    assert build is not None
+    with build.simulated(values, options, command("chirp"), 0.0) as runs:
+        held = np.abs(runs.out[:, OUTPUTS.index("current_A")]) == np.float32(2.2)
+        # a span leaves as the current comes to its limit and as it goes, not while it is there
+        assert 0 < runs.left < 0.2 * np.count_nonzero(held)
