@@ -93,7 +93,7 @@ class LearnedTable:
 
 
 def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown, ...]:
-    """What the balances leave unexplained, the most telling first.
+    """What the balances leave unexplained, the most telling first, and before others those in which the model fails.
 
     `actuator` holds the effects that are known by now; `found` is where the model without them failed on the same record, from which the healthy repeats are taken.
     """
@@ -110,7 +110,8 @@ def left_over(actuator: Actuator, record: Record, found: Where) -> tuple[Unknown
             continue
         left = own if reference is None else replace(own, residual=own.residual - reference.mean)
         unknowns.append(unknown_of(left, motion, reference))
-    return tuple(sorted(unknowns, key=lambda one: -one.merit))
+    fails = {block.name for block in found.blocks if block.telling}
+    return tuple(sorted(unknowns, key=lambda one: (one.balance not in fails, -one.merit)))
 
 
 def unknown_of(balance: Balance, motion: MachineState, reference: Reference | None = None) -> Unknown:

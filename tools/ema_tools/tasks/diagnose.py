@@ -276,7 +276,8 @@ def answer(
     table = None
     if found.verdict == "unknown" and not (wrong and shows_nothing(steps, errors)):
         tell(0.95, "what is unknown")
-        left = unknowns.left_over(known.changed(kept), record, places)
+        # attempts that are not accepted would be seen in what they leave: a voltage that is not missing, say
+        left = unknowns.left_over(known, record, places)
         # a sensor's error is not flown
         table = unknowns.learned(left[0]) if left and sensor is None else None
     tell(1.0, "done")
