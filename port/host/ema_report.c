@@ -244,6 +244,7 @@ void ema_report_json(const ema_report_t* report, FILE* out)
         (void)fputc(']', out);
         ema_json_real(out, ", \"shift_percent\": ", (double)found->shift_percent);
         ema_json_real(out, ", \"healthy\": ", ema_healthy(report, i));
+        ema_json_real(out, ", \"threshold_percent\": ", (double)report->config->identified[i].min_shift_percent);
         (void)fprintf(out, ", \"at_bound\": %s}", found->at_bound ? "true" : "false");
     }
     ema_json_real(out, ",\n  \"objective_before_mm2s\": ", (double)result->objective_before);

@@ -96,6 +96,8 @@ def test_the_shipped_case(plain: dict[str, object]) -> None:
     assert plain["outcome"] == "tolerance"
     assert plain["rows"] == 10000
     assert plain["csj_Nm"]["shift_percent"] == pytest.approx(100.0 * (0.3 / 0.138 - 1.0), abs=0.05)
+    # as shipped, so that the page knows from where on a shift is called a fault
+    assert (plain["csj_Nm"]["threshold_percent"], plain["blk_mm"]["threshold_percent"]) == (5.0, 10.0)
     assert plain["blk_mm"]["shift_percent"] == pytest.approx(25.0, abs=0.5)
     assert plain["objective_before_mm2s"] == pytest.approx(0.674, abs=0.002)
     assert plain["objective_after_mm2s"] < 1e-6

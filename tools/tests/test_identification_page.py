@@ -123,6 +123,7 @@ def test_every_objection_has_its_words(objection: str, why: str, short: str) -> 
     data |= {"verdict": "undecided", "reasons": ["why"], "guard": {**data["guard"], "objection": objection}}
     found = said(data)
     assert why in found.sentence and found.replies[-1].short == short and found.replies[-1].command
+    assert found.replies[-1].command.endswith(" MORE.csv") == (short == "Record more healthy runs")
 
 
 def test_a_record_that_cannot_tell_is_recorded_again() -> None:

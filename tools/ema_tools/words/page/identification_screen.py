@@ -214,7 +214,9 @@ def _next(result: ShownIdentification) -> Reply:
     if objection in ("unknown", "signals") or (guard is None and not result.adequate):
         return Reply(question, "Ask what is missing", "it looks at every signal", "", diagnose)
     if objection in ("open", "healthy"):
-        again = ["ema", "identify", line.actuator, *record, *(healthy or ["--healthy", "healthy_*.csv"])]
+        # those there are and the new ones: the same command would say the same again
+        more = [*healthy, "MORE.csv"] if healthy else ["--healthy", "healthy_*.csv"]
+        again = ["ema", "identify", line.actuator, *record, *more]
         return Reply(question, "Record more healthy runs", "on days that differ, and ask again beside them", "unsure", shlex.join(again))
     advice = next((told for reason in result.reasons if (told := words.advice(reason))), "")
     if not result.adequate:
