@@ -47,9 +47,10 @@ typedef struct {
     ema_real shift_mm;   /* multisine: the value at t = 0 before it is taken off */
 } ema_command_t;
 
-/* Prepares a command for steps of `step_s`. Errors: EMA_ERR_NULL; EMA_ERR_NOT_FINITE; EMA_ERR_RANGE for a frequency
- * below 0 or above half the step rate, a duration or share or count outside its range, or steps beyond 2^31. Cost: at
- * most 32 sines. */
+/* Prepares a command for steps of `step_s`. Errors: EMA_ERR_NULL; EMA_ERR_NOT_FINITE for an amplitude that is no
+ * number; EMA_ERR_RANGE for a frequency below 0 or above half the step rate, a duration or share or count outside its
+ * range, one of these or a step that is no number, a step not above 0, or steps beyond 2^31. Samples are not looked at
+ * here. Cost: at most 32 sines. */
 ema_status_t ema_command_init(ema_command_t* command, const ema_command_config_t* config, ema_real step_s);
 
 /* The command at step `step` in mm. Cost: one sine (multisine: `count`). */

@@ -28,11 +28,11 @@ typedef struct {
  * which the integrator swings up. Cost: about 20 model steps. On an error plant and state are unchanged. */
 ema_status_t ema_model_init(ema_model_t* model, const ema_actuator_t* actuator, ema_real start_mm);
 
-/* From now on the model reads its learned tables from `actuator`, which must hold the same ones and outlive it. Without
- * a table that acts this does nothing. Cost: constant. */
+/* From now on the model, which must not be NULL, reads its learned tables from `actuator`, which must hold the same
+ * ones and outlive it. Without a table that acts this does nothing. Cost: constant. */
 void ema_model_learned(ema_model_t* model, const ema_actuator_t* actuator);
 
-/* Puts the state back to the start. Cost: constant. */
+/* Puts the state back to the start. `model` must not be NULL. Cost: constant. */
 void ema_model_restart(ema_model_t* model);
 
 /* Makes one step with `command_mm` held over it; `output` may be NULL. The model must have been prepared.
