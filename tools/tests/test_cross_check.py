@@ -167,6 +167,19 @@ def test_the_size_of_a_fault_reaches_over_what_the_drive_may_be_today(what: str)
     assert "lies anywhere from" not in sentence(every)
 
 
+def test_an_effect_beside_a_fault_that_stands_is_told_and_the_size_reaches_to_what_it_leaves() -> None:
+    """A supply 2 % low beside CSJ +18 %: the rod alone explains the record by CSJ +21 %, and all signals say better."""
+    healthy = [recorded({}, TRIANGLE, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+    true = 1.18 * CSJ_NM
+    found = identify(KNOWN, recorded({"screw.csj_Nm": true, "drive.supply_V": 0.98 * KNOWN["drive.supply_V"]}, TRIANGLE), healthy)
+    assert found.verdict == "fault" and found.checked is not None and found.checked.kind == "missing", sentence(found)
+    assert "Besides, supply sag (supply_sag; " in sentence(found) and "all signals say CSJ +18" in sentence(found)
+    one = found.answer.identified[0]
+    low, high = found.interval95(one)
+    assert one.estimate > 1.02 * true
+    assert low is not None and high is not None and low < true < high < 1.02 * one.estimate
+
+
 def test_healthy_values_by_the_rod_position_alone_are_as_sure_as_the_data_sheet_is() -> None:
     """A unit whose winding, grease and inertia are not the data sheet's: its healthy friction in Nm lies in its interval, which all signals make narrow."""
     unit = {

@@ -97,10 +97,21 @@ class Identified:
             max(one.std, self.day_std(one.name)) if self._shown and math.isfinite(one.std) else math.hypot(one.std, self.day_std(one.name))
         )
         low, high = interval95(one.estimate, bias, day)
-        if stands is None or low is None or high is None:
+        if low is None or high is None:
+            return low, high
+        if self.checked is not None and one.name in self.checked.faults and self.stands_beside_effect:
+            # beside the effect it is another value, as sure as this one
+            away = self.checked.faults[one.name] - one.estimate
+            return low + min(away, 0.0), high + max(away, 0.0)
+        if stands is None:
             return low, high
         below, above = math.hypot(one.estimate - low, stands.reach.below), math.hypot(high - one.estimate, stands.reach.above)
         return one.estimate - below, one.estimate + above
+
+    @property
+    def stands_beside_effect(self) -> bool:
+        """Whether the module's answer stands, though all signals say that an effect is missing from the model."""
+        return self.checked is not None and self.checked.kind == "missing" and not self.objects
 
     def day_std(self, name: str) -> float:
         """By how much a machine's value is read apart from run to run, against the mean of its healthy records where there are two or more: as the actuator states, as those records show it,

@@ -125,7 +125,12 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_hides(found)}{_reach(found) or _left(found)}{_warmth(found)}{_magnets(found)}{few}"
+    return f"{_verdict(found)}{_hides(found)}{_reach(found) or _left(found)}{_beside(found)}{_warmth(found)}{_magnets(found)}{few}"
+
+
+def _beside(found: Identified) -> str:
+    """That an effect is missing which changes nothing of the verdict, but may of the sizes."""
+    return f" Besides, {missing_words(found.checked)}." if found.checked is not None and found.stands_beside_effect else ""
 
 
 def _reach(found: Identified) -> str:
