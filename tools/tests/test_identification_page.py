@@ -126,6 +126,22 @@ def test_every_objection_has_its_words(objection: str, why: str, short: str) -> 
     assert found.replies[-1].command.endswith(" MORE.csv") == (short == "Record more healthy runs")
 
 
+def test_an_effect_beside_a_fault_that_stands_is_shown_with_the_size_that_it_leaves() -> None:
+    data, missing = judged(FAULTY), judged(MISSING)
+    add = "ema add mine.toml stribeck_friction --fit today.csv --healthy h.csv -o NEW.toml"
+    data |= {
+        "missing_effect": missing["missing_effect"],
+        "sentence": f"Fault: CSJ +117 %. Besides, Stribeck friction is missing from the model: {add} puts it in.",
+        "guard": {**data["guard"], "verdict": "missing", "objection": None, "shift_percent": {"csj_Nm": 112.0}},
+    }
+    found = said(data)
+    holds, where, lacks, _, then = found.replies
+    assert found.sentence.startswith("The machine has a fault: ") and where.short == "Friction and backlash"
+    assert (holds.short, lacks.short) == ("By the rod position", "Stribeck friction")
+    assert "beside it CSJ +112 %" in lacks.more
+    assert then.command == add
+
+
 def test_a_record_that_cannot_tell_is_recorded_again() -> None:
     data = judged(MISSING)
     data |= {"missing_effect": None, "reasons": ["nothing can be told from this record: the rod hardly moves"]}

@@ -40,7 +40,9 @@ def identification(
         verdict=cast(result.Verdict, found.verdict),
         adequate=found.adequate,
         reasons=reasons(found),
-        missing_effect=_missing(found.checked) if found.objection in _NAMING and found.checked is not None else None,
+        missing_effect=_missing(found.checked)
+        if found.checked is not None and (found.objection in _NAMING or found.stands_beside_effect)
+        else None,
         sensor=_sensor(found),
         guard=None if found.checked is None else _guard(found, found.checked),
         table=None if answer.finding is None else result.TableFinding(**vars(answer.finding)),

@@ -102,7 +102,8 @@ def _others(result: ShownIdentification, name: str) -> list[tuple[str, float, st
     """Other shifts that are known of the value: class of the mark, shift in %, in words."""
     found: list[tuple[str, float, str]] = []
     guard, effect = result.found.guard, result.found.missing_effect
-    if guard is not None and name in guard.shift_percent and guard.objection in ("missing", "signals"):
+    apart = guard is not None and (guard.objection == "signals" or guard.verdict == "missing")
+    if guard is not None and apart and name in guard.shift_percent:
         beside = f" beside {names.within(effect.name)}" if effect is not None and effect.name is not None else ""
         shift = guard.shift_percent[name]
         found.append(("diamond", shift, f"◇ all signals{beside} {words.shift(shift)}"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 
 from ema_tools.words.page import names
@@ -97,6 +98,9 @@ def _why(result: ShownIdentification) -> str:
 
 def _holds(result: ShownIdentification) -> Reply:
     question = "Does the model hold?"
+    guard = result.found.guard
+    if result.adequate and guard is not None and guard.verdict == "missing" and guard.objection is None:
+        return Reply(question, "By the rod position", "the other signals say that an effect is missing", "unsure")
     if result.adequate:
         return Reply(question, "Yes", "what it leaves is no more than noise", "good")
     if result.verdict != "undecided":
@@ -191,7 +195,12 @@ def _next(result: ShownIdentification) -> Reply:
     objection = guard.objection if guard is not None else None
     diagnose = shlex.join(["ema", "diagnose", line.actuator, *record, *healthy])
     if result.verdict != "undecided":
-        return _follow(question, result, line)
+        told = _puts_it_in([found.sentence])
+        return (
+            Reply(question, "Put the effect into the model", "then identify again: sizes hang on it", "", told)
+            if told
+            else _follow(question, result, line)
+        )
     if any(reason.startswith(_UNUSABLE) for reason in result.reasons):
         return Reply(question, "Record again", next(one for one in result.reasons if one.startswith(_UNUSABLE)), "unsure", diagnose)
     if effect is not None and effect.name is not None:
@@ -204,7 +213,7 @@ def _next(result: ShownIdentification) -> Reply:
                 "unsure",
                 between,
             )
-        told = next((found_[0] for reason in result.reasons if (found_ := re.search(r"ema add .+?(?= puts it in)", reason))), "")
+        told = _puts_it_in(result.reasons)
         if told:
             return Reply(question, "Put it into the model", "then identify again with the new file", "", told)
         bare = shlex.join(["ema", "identify", line.actuator, *record])
@@ -224,6 +233,11 @@ def _next(result: ShownIdentification) -> Reply:
     # the same command on the same record would say the same again
     again = ["ema", "identify", line.actuator, "NEXT.csv", *(healthy or ["--healthy", "healthy_*.csv"])]
     return Reply(question, "Record again, and ask", advice.replace("`", ""), "unsure", shlex.join(again))
+
+
+def _puts_it_in(told: Sequence[str]) -> str:
+    """The command that puts a missing effect into the model, where one of the sentences has it."""
+    return next((found[0] for one in told if (found := re.search(r"ema add .+?(?= puts it in)", one))), "")
 
 
 def _follow(question: str, result: ShownIdentification, line: CommandLine) -> Reply:
