@@ -138,7 +138,7 @@ def test_an_effect_beside_a_fault_that_stands_is_shown_with_the_size_that_it_lea
     holds, where, lacks, _, then = found.replies
     assert found.sentence.startswith("The machine has a fault: ") and where.short == "Friction and backlash"
     assert (holds.short, lacks.short) == ("By the rod position", "Stribeck friction")
-    assert "beside it CSJ +112 %" in lacks.more
+    assert "beside it CSJ +112.0 %" in lacks.more
     assert then.command == add
 
 
