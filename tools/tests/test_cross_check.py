@@ -167,6 +167,26 @@ def test_the_size_of_a_fault_reaches_over_what_the_drive_may_be_today(what: str)
     assert "lies anywhere from" not in sentence(every)
 
 
+SMALL = "triangle:amplitude_mm=0.5,start_hz=0.1,duration_s=20"
+
+
+def magnets(stronger: float) -> dict[str, float]:
+    """Magnets that give this share of their torque more, on a cold day say."""
+    return {name: (1.0 + stronger) * KNOWN[name] for name in ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")}
+
+
+def test_a_slow_small_motion_does_not_tell_friction_from_magnets() -> None:
+    """Slopes say it does: what reversals leave between them looks like knowledge. Fits do not, and stronger magnets hid +10 % of friction in a healthy answer, weaker ones made +6 % of none."""
+    healthy = [recorded({}, SMALL, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+    seized = identify(KNOWN, recorded({"screw.csj_Nm": 1.105 * CSJ_NM, **magnets(0.06)}, SMALL), healthy)
+    assert (seized.verdict, seized.objection) == ("undecided", "open"), sentence(seized)
+    played = identify(KNOWN, recorded({"screw.blk_mm": 1.5 * BLK_MM, **magnets(-0.06)}, SMALL), healthy)
+    assert played.verdict == "fault" and "CSJ lies anywhere from " in sentence(played)
+    for found, true in ((seized, 1.105 * CSJ_NM), (played, CSJ_NM)):
+        low, high = found.interval95(found.answer.identified[0])
+        assert low is not None and high is not None and low < true < high
+
+
 def test_an_effect_beside_a_fault_that_stands_is_told_and_the_size_reaches_to_what_it_leaves() -> None:
     """A supply 2 % low beside CSJ +18 %: the rod alone explains the record by CSJ +21 %, and all signals say better."""
     healthy = [recorded({}, TRIANGLE, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]

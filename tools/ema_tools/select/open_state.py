@@ -22,10 +22,11 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.nuisance import Spread
 from ema_tools.select.known_machine import LAST_STEPS, SMALL_SHARE, KnownMachine, MachineFit
+from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 _STEP = 0.02  # of a value, for its slope: large against reversals that jump a step [precision]
 _TOLD = 10.0  # a state of one standard deviation that costs more is told by the record, and slopes say how well: what reversals leave between them is less [precision]
-_SURELY_TOLD = 400.0  # and one that costs so much by the slopes does so by whatever reversals leave between them, which is a tenth of it on a slow triangle [measured]
+_SURELY_TOLD = 1e4  # and one that costs so much by the slopes does so by whatever reversals leave between them, which is 2000 on a slow triangle of small stroke [measured]
 _MUCH = 0.01  # of a value: what moves it by less, one standard deviation of it, is left to the slopes [judgement]
 _FARTHEST = 6.0  # of a state's standard deviations: a drop of 0.6 V in the inverter, a gain 12 % off [judgement]
 _FAR = (3.0, _FARTHEST)  # sizes that are fitted to learn how far a state may go [effort]
@@ -53,17 +54,20 @@ class Reach:
 @dataclass(frozen=True)
 class OpenStd:
     """A standard error, what of the machine's present state does most to it, by name, and its part that is not noise; `moved`: by how much the value would be another if what the record itself
-    says of that state were fitted beside it; `reach`: how far it may be off where that state is beyond its usual deviations."""
+    says of that state were fitted beside it; `reach`: how far it may be off where that state is beyond its usual deviations. `pulled`: as `moved` of a state that surely explains more than none of
+    it does: the reach holds that for a size, to its side, and a verdict has to count it.
+    """
 
     std: float
     most: str
     beyond: float = 0.0
     moved: float = 0.0
     reach: Reach = Reach()
+    pulled: float = 0.0
 
     def doubt(self, sure: float, healthy: float) -> float:
         """How far a shift may be off for what the machine may be today, relative to the `healthy` value; `sure`: in so many standard deviations."""
-        return (sure * self.std + self.moved) / abs(healthy)
+        return (sure * self.std + self.moved + self.pulled) / abs(healthy)
 
 
 @dataclass(frozen=True)
@@ -110,7 +114,11 @@ def open_state(known: KnownMachine, base: MachineFit, left: float = 0.0) -> dict
         one for one, (follows, rest) in zip(wanted, apart, strict=True) if one in left_open or _wanted(known, base, follows, rest, here)
     ]
     near = _near(known, base, machine, farther)
-    profiles = {one.state.title: _profile(known, base, one) for one in near if one.state in left_open and _is_open(one, base)}
+    surely = [one for one in near if _takes_off(one, base, LEAST_LIMIT)]
+    elsewhere = [_profile(known, base, one) for one in surely]
+    profiles = {
+        one.state.title: _profile(known, base, one) for one in near if one not in surely and one.state in left_open and _is_open(one, base)
+    }
     reach = _reach(known, base, machine, [one for one in near if one.state.title in profiles or _takes_off(one, base)])
     found = {}
     for place, name in enumerate(known.faults):
@@ -123,7 +131,8 @@ def open_state(known: KnownMachine, base: MachineFit, left: float = 0.0) -> dict
             worst = max(by_profile, key=lambda title: by_profile[title])
         std = math.hypot(max(_marginal(own, today, place), math.hypot(noise, *by_profile.values())), along)
         moved = max((abs(one.moved[name]) for one in profiles.values()), default=0.0)
-        found[name] = OpenStd(std, worst, math.sqrt(max(std**2 - noise**2, 0.0)), moved, reach[name])
+        pulled = max((abs(one.moved[name]) for one in elsewhere), default=0.0)
+        found[name] = OpenStd(std, worst, math.sqrt(max(std**2 - noise**2, 0.0)), moved, reach[name], pulled)
     return found
 
 
@@ -228,9 +237,9 @@ def _profile(known: KnownMachine, base: MachineFit, one: _Sizes) -> _Profile:
     return _Profile({name: at * size for name, size in per.items()}, {name: abs(size) / math.sqrt(shown) for name, size in per.items()})
 
 
-def _takes_off(one: _Sizes, base: MachineFit) -> bool:
-    """Whether the state at one of its sizes explains more than none of it does."""
-    return min(fit.cost for fit in one.fits) < base.cost - _AS_WELL
+def _takes_off(one: _Sizes, base: MachineFit, limit: float = _AS_WELL) -> bool:
+    """Whether the state at one of its sizes explains more than none of it does, by more than this of the cost."""
+    return min(fit.cost for fit in one.fits) < base.cost - limit
 
 
 def _reach(known: KnownMachine, base: MachineFit, machine: Actuator, near: Sequence[_Sizes]) -> dict[str, Reach]:

@@ -101,10 +101,10 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
     if found.objection == "open":
         name = found.least_sure()
         stands = checked.open[name]
-        percent = 100.0 * stands.std / abs(found.healthy[name])
+        percent = 100.0 * stands.doubt(2.0, found.healthy[name])
         return (
             f"this record hardly tells {TITLES[name]} from {row_of(stands.most).field}, which differs from day to day: "
-            f"{TITLES[name]} may be off by {2.0 * percent:.2g} % for that: {_more(checked)}, or a chirp to a higher frequency"
+            f"{TITLES[name]} may be off by {percent:.2g} % for that: {_more(checked)}, or a chirp to a higher frequency"
         )
     return missing_words(checked)
 
