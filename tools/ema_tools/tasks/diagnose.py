@@ -268,10 +268,8 @@ def answer(
     errors, steps = walk(found, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     wrong = refuted(steps) if found.verdict == "missing" else ()
     found = found.refuted(wrong) if wrong else found
-    kept: Mapping[str, float] = (
-        {name: value for name, value in best.values.items() if effect_of(name) not in wrong} if best is not None else {}
-    )
-    improved = known.changed(kept if found.verdict == "missing" else {})
+    put_in: Mapping[str, float] = best.values if best is not None and found.verdict == "missing" else {}
+    improved = known.changed({name: value for name, value in put_in.items() if effect_of(name) not in wrong})
     left: tuple[unknowns.Unknown, ...] = ()
     table = None
     if found.verdict == "unknown" and not (wrong and shows_nothing(steps, errors)):
