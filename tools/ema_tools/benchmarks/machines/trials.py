@@ -44,13 +44,15 @@ class MachineTrial:
         return f"{self.kind}_{self.number}".replace(" ", "_")
 
 
-def plan(units: int) -> list[MachineTrial]:
-    """All trials of so many units of each kind."""
+def plan(units: int, healthy: int = 0) -> list[MachineTrial]:
+    """All trials of so many units of each kind, and those of healthy ones until they are so many."""
     found = []
     for kind in KINDS:
-        for number in range(units):
+        for number in range(max(units, healthy)):
             for command in COMMANDS:
                 found.append(MachineTrial(kind, number, command, HEALTHY))
+                if number >= units:
+                    continue
                 found += [
                     MachineTrial(kind, number, command, effect, size)
                     for effect in EFFECTS
