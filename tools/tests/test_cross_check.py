@@ -187,6 +187,17 @@ def test_a_slow_small_motion_does_not_tell_friction_from_magnets() -> None:
         assert low is not None and high is not None and low < true < high
 
 
+SLOW = "chirp:amplitude_mm=0.5,end_hz=0.3,duration_s=20"
+
+
+def test_no_unit_is_healthy_beside_an_effect_that_is_missing() -> None:
+    """Magnets 10 % stronger hide CSJ +12 % on a slow, small motion behind a rise of the drag that is not there: "healthy, besides a rise" would be wrong."""
+    healthy = [recorded({}, SLOW, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+    found = identify(KNOWN, recorded({"screw.csj_Nm": 1.12 * CSJ_NM, **magnets(0.10)}, SLOW), healthy)
+    assert found.answer.verdict == "healthy" and found.checked is not None and found.checked.kind == "missing", sentence(found)
+    assert (found.verdict, found.objection) == ("undecided", "missing"), sentence(found)
+
+
 def test_an_effect_beside_a_fault_that_stands_is_told_and_the_size_reaches_to_what_it_leaves() -> None:
     """A supply 2 % low beside CSJ +18 %: the rod alone explains the record by CSJ +21 %, and all signals say better."""
     healthy = [recorded({}, TRIANGLE, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]

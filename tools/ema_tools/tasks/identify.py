@@ -160,7 +160,8 @@ class Identified:
         if checked.kind == "missing":
             # a unit that is known by its data sheet alone has more than the effect that is named
             by_sheet = checked.against == 0 and self.answer.verdict == "fault"
-            taken_back = checked.withheld or by_sheet or not self.answer.adequate
+            # what has changed may hide wear beside it, and a small one where the effect is large
+            taken_back = checked.withheld or by_sheet or self.answer.verdict == "healthy" or not self.answer.adequate
             return "missing" if taken_back or any(map(self._moved, self.answer.identified)) else None
         if self.sound_by_scatter:
             return None

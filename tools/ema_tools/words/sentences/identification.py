@@ -129,7 +129,7 @@ def sentence(found: Identified) -> str:
 
 
 def _beside(found: Identified) -> str:
-    """That an effect is missing which changes nothing of the verdict, but may of the sizes."""
+    """That an effect is missing beside a fault that stands, whose sizes it may change."""
     return f" Besides, {missing_words(found.checked)}." if found.checked is not None and found.stands_beside_effect else ""
 
 
