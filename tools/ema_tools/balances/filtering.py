@@ -74,7 +74,7 @@ class Smoother:
 
     def as_seen(self, values: Reals) -> Reals:
         """A torque that was worked out row by row, as the filtered drive shows it, [rows] or [rows, k]."""
-        return smoothed(values, self._share, 0) if self.blunts else values
+        return smoothed(values, self._share, 0) if self.blunts and values.any() else values
 
     @property
     def every(self) -> int:

@@ -40,6 +40,9 @@ _START_RAD = 0.01  # to which the best of them is refined [precision]
 CUTOFF_MIN_HZ = 12.5  # the lowest filter, three octaves below the highest: a lower one takes the motion itself away [judgement]
 
 
+Sliding = tuple[NDArray[np.bool_], Reals]
+
+
 @dataclass(frozen=True)
 class Mechanical:
     """The mechanical balance as a linear model on smoothed rows, all [rows] or [rows, 4].
@@ -48,7 +51,7 @@ class Mechanical:
     one (load against extension). `contact` is the direction of sliding, or what of friction a stretched contact carries; in its column the asymmetry of the level is in it.
     `load` and `added` are what effects and efficiency add, the latter while sliding; `static_extra` is what they add to the static level backward and forward, where the shaft rests;
     `eased`: relative change of dry and viscous friction by temperature. `still`: rows of lasting rest; `elastic`: whether the contact stretches.
-    `lag_s`: time constant by which the drive was recorded late, which all that it is held against has as well.
+    `lag_s`: time constant by which the drive was recorded late, which all that it is held against has as well. `slides`: rows of lasting rest in the motion itself, and its direction.
     """
 
     smoother: Smoother
@@ -63,6 +66,7 @@ class Mechanical:
     time_s: Reals
     still: NDArray[np.bool_]
     elastic: bool
+    slides: Sliding
     lag_s: float = 0.0
 
     @property
@@ -105,7 +109,7 @@ def _resting(speed_rad_s: Reals, noise_rad_s: float, smoother: Smoother) -> NDAr
     return resting
 
 
-def _sliding(actuator: Actuator, record: AnyRecord, motion: Motion, smoother: Smoother) -> tuple[NDArray[np.bool_], Reals]:
+def _sliding(actuator: Actuator, record: AnyRecord, motion: Motion, smoother: Smoother) -> Sliding:
     """Rows of lasting rest, and the direction of sliding. Of a slow record the filter begins a motion before it begins and rings behind every stop: there the rows themselves tell, where their
     noise hides no motion, and a rest reaches as far into the motion as the filter does."""
     smooth = _resting(motion.speed_rad_s, _speed_noise_rad_s(actuator, record, smoother), smoother)
@@ -124,8 +128,14 @@ def _sliding(actuator: Actuator, record: AnyRecord, motion: Motion, smoother: Sm
     return np.asarray(ndimage.binary_dilation(rows, iterations=reach)) if rows.any() else rows, np.where(rows, 0.0, np.sign(speed))
 
 
-def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother | None = None, motion: Motion | None = None) -> Mechanical:
-    """Drive torque, what the effects add, and the columns of the base parameters; `motion`: of the record, where it is known already. Raises MissingSignal."""
+def mechanical_model(
+    actuator: Actuator,
+    record: AnyRecord,
+    smoother: Smoother | None = None,
+    motion: Motion | None = None,
+    slides: Sliding | None = None,
+) -> Mechanical:
+    """Drive torque, what the effects add, and the columns of the base parameters; `motion`: of the record, and where it slides, where they are known already. Raises MissingSignal."""
     values = adjusted(actuator)
     use = smoother or quiet_smoother(actuator, record)
     motion = motion or motion_of(actuator, record, use)
@@ -136,7 +146,8 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
     lag_s = actuator.drive_lag_s or 0.0
     # a motion that is late is held against a drive as late
     drive = lagged(drive, record.period_s, -lag_s)
-    rests, direction = _sliding(actuator, record, motion, use)
+    slides = slides or _sliding(actuator, record, motion, use)
+    rests, direction = slides
     contact, elastic = _contact(actuator, motion, direction)
     asymmetry = values["screw.friction_asymmetry"]
     load = at_points(actuator, motion, "LOAD")
@@ -177,6 +188,7 @@ def mechanical_model(actuator: Actuator, record: AnyRecord, smoother: Smoother |
         time_s=record.time_s,
         still=at_rest,
         elastic=elastic,
+        slides=slides,
         lag_s=lag_s,
     )
 

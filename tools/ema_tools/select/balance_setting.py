@@ -40,12 +40,13 @@ class Piece:
     @staticmethod
     def of(actuator: Actuator, record: AnyRecord, smoother: Smoother, like: Piece | None = None) -> Piece:
         """`like`: the same record under another actuator, whose motion serves again where nothing that it is made with has changed. Raises MissingSignal."""
-        if like is not None and like.foretold:
-            return replace(like, model=mechanical_model(actuator, record, smoother, like.motion))
         read_with = _read_with(actuator, record)
         same = like is not None and like.record is record and like.model.smoother == smoother and read_with and like.read_with == read_with
+        slid = like.model.slides if like is not None and same else None
+        if like is not None and like.foretold:
+            return replace(like, model=mechanical_model(actuator, record, smoother, like.motion, slid))
         motion = like.motion if like is not None and same else motion_of(actuator, record, smoother)
-        return Piece(record, mechanical_model(actuator, record, smoother, motion), motion, read_with)
+        return Piece(record, mechanical_model(actuator, record, smoother, motion, slid), motion, read_with)
 
 
 def _read_with(actuator: Actuator, record: AnyRecord) -> tuple[object, ...]:
