@@ -25,6 +25,8 @@ from ema_tools.select.torque_patterns import Pattern
 
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
 AGREED_STD = 2.0  # ... and of so many by which records differ, where it lowers the error by less than a fifth, ... [chance]
+# ... and one of all it hangs on, its shape and the records: a size that may be twice or none is no finding [judgement]
+_TOLD_STD = 1.0
 CLEARLY = 0.8  # of the error left, which nobody takes for chance [judgement]
 FALL_IN_STD = 2.5  # ... a fall of the held-out squared error of so many of its own ... [chance]
 _STRETCHES = 60  # of all records together, in most of which the error must fall where the mean of all is one start's [judgement]
@@ -119,6 +121,9 @@ class Judge:
         if tried.gain < LEAST_OF_FIRST * first:
             whose = "the first model" if first == self.first else "the first model and the loads"
             return f"it takes off {100.0 * tried.gain / first:.2f} % of what {whose} left, less than {100.0 * LEAST_OF_FIRST:g} %"
+        whole = bench.stated(fit).std.get(size, math.inf)
+        if abs(fit.values[size]) < _TOLD_STD * whole:
+            return f"its size {fit.values[size]:.3g} is not told: standard error {whole:.2g} with its shape, which is fitted too"
         circle = self._in_a_circle(accepted, tried)
         return circle or (self.veto(accepted, tried) if self.veto is not None else "")
 
