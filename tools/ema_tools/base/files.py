@@ -90,6 +90,8 @@ def standing_in(path: Path, said: str) -> Iterator[Path]:
 
 def reason(error: OSError) -> str:
     """Why the system refused, in lower case."""
+    if isinstance(error, IsADirectoryError):
+        return "is a folder, and one file is wanted here"
     text = error.strerror or str(error)
     return text[:1].lower() + text[1:]
 

@@ -29,6 +29,7 @@ _EVEN = 0.1  # share by which the averaged speed may change from one window to t
 _ONE_RUN = (
     0.25  # by which it may leave the speed at which a run began: a slow ramp is many runs, a run that swings a little is one [judgement]
 )
+_PAIRS_MIN = 4  # speeds that were run both ways, from which on where friction is least is more than the end of a range [judgement]
 _ALL = 0.95  # share of a record that keeps one speed, from which on all of it does [judgement]
 _ROUGH = 0.5  # share of it by which the speed may swing inside a window, as it does where a machine hardly keeps moving [judgement]
 _RESTS = 0.01  # of the largest speed of all records: slower is no motion [judgement]
@@ -76,6 +77,27 @@ class FrictionMap:
     pairs: tuple[SpeedPair, ...]
     runs: int
     left_out: dict[str, str]
+
+
+@dataclass(frozen=True)
+class MeasuredBump:
+    """Friction of runs at constant speed, both directions: by how much that of the slowest exceeds the least."""
+
+    slowest_rad_s: float
+    above_percent: float
+    least_at_rad_s: float
+
+
+def measured_bump(actuator: Actuator, records: Sequence[AnyRecord]) -> MeasuredBump | None:
+    """None where the records hold too few speeds run both ways, or friction is least at the slowest."""
+    try:
+        pairs = friction_map(actuator, records).pairs
+    except InputError:
+        return None
+    least = min(pairs, key=lambda one: one.friction_Nm, default=None)
+    if least is None or len(pairs) < _PAIRS_MIN or least is pairs[0] or not least.friction_Nm > 0.0:
+        return None
+    return MeasuredBump(pairs[0].speed_rad_s, 100.0 * (pairs[0].friction_Nm / least.friction_Nm - 1.0), least.speed_rad_s)
 
 
 def friction_map(actuator: Actuator, records: Sequence[AnyRecord]) -> FrictionMap:

@@ -12,6 +12,7 @@ from ema_tools.balances.mechanical import Mechanical, mechanical_model
 from ema_tools.balances.motion import motion_of
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
+from ema_tools.compare.odd_rows import odd_rows, swings_unseen
 from ema_tools.compare.validity import RecordRemark, RecordValidity
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import DRIVES, MOTIONS, VOLTAGES, MotionRecord, motion_signal
@@ -31,7 +32,10 @@ _LAG_ROWS_MAX = 20_000  # rows looked at: 100 s tell clocks apart [effort]
 _STRETCHES_RAD = (0.003, 0.01, 0.03, 0.1)  # turns of the motor over which contacts yield [physics]
 _LAG_STEPS_MIN = 10  # .. or for so many steps of a slow record [judgement]
 _LAG_DOUBTFUL_S = 0.015  # a drive that is later: what filters drives as it is recorded takes less [judgement]
-_LAG_GAIN = 0.75  # and must leave less than this share of the error: once per turn, what repeats finds itself again elsewhere [judgement]
+# It must leave less than this share of the error: once per turn, what repeats finds itself again elsewhere; and of more than half of the longest,
+# which no transport takes, less than that [judgement]
+_LAG_GAIN, _LAG_GAIN_LONG = 0.75, 0.5
+_NOTHING_PERCENT = 90.0  # of a drive, that inertia, drag, friction and any load leave where they have nothing to do with it [judgement]
 
 
 def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
@@ -57,6 +61,8 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
         remarks.append(
             RecordRemark("signals", "blocks", "the drive is zero throughout", "look which column holds the torque, force or current")
         )
+    else:
+        remarks += [*odd_rows(record), *swings_unseen(record, model, motion_of(actuator, record, model.smoother))]
     low, high = np.quantile(speed, (_A_TENTH, 1.0 - _A_TENTH))
     if low < 0.0 < high and min(-low, high) > _A_TENTH * float(np.max(np.abs(speed))) and np.ptp(drive) > 0.0:
         alike = float(np.corrcoef(drive, speed)[0, 1])
@@ -100,7 +106,11 @@ def _late(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[R
         here, there = slice(max(0, -steps), target.size - max(0, steps)), slice(max(0, steps), target.size - max(0, -steps))
         errors[steps] = min(_left_percent(one[here][moves[here]], target[there][moves[here]]) for one in columns)
     best = min(errors, key=lambda steps: (errors[steps], abs(steps)))
-    if abs(best) * step_s < max(_LAG_DOUBTFUL_S, 2.0 * record.period_s) or errors[best] > _LAG_GAIN * errors[0]:
+    if errors[best] > _NOTHING_PERCENT:
+        text = f"inertia, drag, friction and any load leave {errors[best]:.3g} % of the drive, as if it were another machine's or noise"
+        return [RecordRemark("signals", "weakens", text, "look which column of the file holds the drive, and in which unit")]
+    gain = _LAG_GAIN_LONG if 2 * abs(best) > most else _LAG_GAIN
+    if abs(best) * step_s < max(_LAG_DOUBTFUL_S, 2.0 * record.period_s) or errors[best] > gain * errors[0]:
         return []
     text = (
         f"the drive is about {1e3 * abs(best) * step_s:.0f} ms {'behind' if best > 0 else 'ahead of'} the motion: so shifted, "

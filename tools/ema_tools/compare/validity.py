@@ -536,7 +536,7 @@ def _clipping(record: Record) -> list[RecordRemark]:
             continue
         for extreme, side in ((float(np.max(values)), "highest"), (float(np.min(values)), "lowest")):
             flat = values == extreme
-            longest, start = _longest(flat)
+            longest, start = longest_run(flat)
             if longest >= _CLIPPED_ROWS and abs(extreme) > 0.2 * float(np.max(np.abs(values))):
                 text = f"{name} stands at its {side} value {extreme:.4g} {UNITS[name]} for {longest} rows from row {start + 1}: its sensor clips, or the drive limits it"
                 found.append(
@@ -545,7 +545,7 @@ def _clipping(record: Record) -> list[RecordRemark]:
     return found
 
 
-def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
+def longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
     """Length and first row of the longest run of true values."""
     lengths = [(last - first, first) for first, last in _stretches(flags)]
     return max(lengths, key=lambda one: one[0], default=(0, 0))

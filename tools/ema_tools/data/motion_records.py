@@ -21,6 +21,8 @@ from ema_tools.data.records import Record
 
 # Any of these is a motion, any of those a drive; with the motor's data the voltage is one too.
 MOTIONS = ("position_mm", "motor_position_mm", "speed_mm_s", "motor_angle_rad", "motor_speed_rad_s")
+# What helps with a file that has other columns, or other names for them.
+FOREIGN = "; of a file as another maker's drive wrote it: ema import draft FILE -o MAP.toml, then ema import table"
 DRIVES = ("torque_Nm", "force_N", "current_A")
 VOLTAGES = ("voltage_V", "terminal_voltage_V")
 COLUMNS: Mapping[str, str] = {
@@ -144,7 +146,7 @@ def motion_signal(record: AnyRecord) -> Reals:
         values: Reals | None = getattr(record, name, None)
         if values is not None:
             return values
-    raise InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}")
+    raise InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}{FOREIGN}")
 
 
 def mean_speed(record: AnyRecord) -> float:
@@ -157,11 +159,11 @@ def mean_speed(record: AnyRecord) -> float:
 def check_signals(record: MotionRecord, voltage_serves: bool = False) -> None:
     """Raises InputError when a motion or a drive is missing; a voltage is a drive where `voltage_serves`."""
     if not any(name in record.present for name in MOTIONS):
-        raise InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}")
+        raise InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}{FOREIGN}")
     drives = (*DRIVES, *VOLTAGES) if voltage_serves else DRIVES
     if not any(name in record.present for name in drives):
         more = "" if voltage_serves else ", or voltage_V and an actuator with the motor's resistance_ohm and back_emf_V_s_per_rad"
-        raise InputError(f"{record.file}: no drive: needs one of the columns {', '.join(drives)}{more}")
+        raise InputError(f"{record.file}: no drive: needs one of the columns {', '.join(drives)}{more}{FOREIGN}")
 
 
 def read_motion_record(path: str | Path) -> MotionRecord:

@@ -145,6 +145,15 @@ class Forces:
 
 
 @dataclass(frozen=True)
+class MeasuredFriction:
+    """The same of runs at constant speed, without any model: the slowest that was run both ways, and where friction is least."""
+
+    slowest_rad_s: float
+    above_least_percent: float
+    least_at_rad_s: float
+
+
+@dataclass(frozen=True)
 class FrictionShape:
     """Steady friction forward, dry and viscous, that falls from standstill to a minimum."""
 
@@ -152,6 +161,7 @@ class FrictionShape:
     minimum_Nm: float
     minimum_at_rad_s: float  # speed of the motor
     above_minimum_percent: float  # at standstill
+    measured: MeasuredFriction | None = None  # None where too few speeds were kept both ways, or friction is least at the slowest
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ the drive does. What repeats in the records is missing model.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,9 +14,11 @@ from dataclasses import dataclass, replace
 from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
+from ema_tools.compare.friction_map import MeasuredBump, measured_bump
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.motion_pictures import motion_pictures
 from ema_tools.compare.motion_validity import judge_motion, one_way
+from ema_tools.compare.odd_rows import UNSEEN
 from ema_tools.compare.validity import RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
@@ -79,6 +82,11 @@ class BalanceAnswer:
     base: tuple[BaseValue, ...] = ()
     nearest: str = ""
     as_well: tuple[str, ...] = ()
+
+    @functools.cached_property
+    def bump(self) -> MeasuredBump | None:
+        """Friction at low speed above its least, as runs at constant speed show it without any model."""
+        return measured_bump(self.known, self.records)
 
     @property
     def record(self) -> AnyRecord:
@@ -205,7 +213,12 @@ class BalanceAnswer:
         """missing when effects were accepted; unknown when none explains what exceeds the floor. A value of the machine that has changed is a fault of the machine, not of the model."""
         if self.accepted:
             return "missing"
-        return "unknown" if self.exceeds else "adequate"
+        return "unknown" if self.exceeds or self.unseen else "adequate"
+
+    @property
+    def unseen(self) -> str:
+        """What the drive of a record does above all that its balance can see, in words; empty where nothing shows there."""
+        return next((one.text for gate in self.gates for one in gate.remarks if one.topic == UNSEEN), "")
 
 
 def has_balance(actuator: Actuator, record: AnyRecord) -> bool:

@@ -74,7 +74,7 @@ def diagnosis_by_balance(
         forces=forces_of(way, found.compared),
         base={shown(row_of(one.name)): _base(one) for one in found.base},
         rod_m_per_rad=units_of(found.known, found.records).m_per_rad,
-        friction=friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))),
+        friction=_with_measured(friction(way.actuator, float(np.max(np.abs(way.curves["speed_rad_s"])))), found),
         drive_lag_s=way.actuator.drive_lag_s or None,
         gate=validity(_with_contradiction(found)),
         where=localisation(found.where) if found.where is not None else Localisation(pictures=found.pictures or Pictures()),
@@ -125,9 +125,21 @@ def _base(one: BaseValue) -> result.BaseEntry:
     )
 
 
+def _of_all(found: BalanceAnswer) -> RecordValidity:
+    """The judgement of the first record, with what is said of others and not of it, each once."""
+    first, said = found.gates[0], {remark.topic for remark in found.gates[0].remarks}
+    more = []
+    for record, gate in zip(found.records[1:], found.gates[1:], strict=True):
+        for remark in gate.remarks:
+            if remark.topic not in said:
+                said.add(remark.topic)
+                more.append(replace(remark, text=remark.text if record.file in remark.text else f"{record.file}: {remark.text}"))
+    return replace(first, remarks=(*first.remarks, *more)) if more else first
+
+
 def _with_contradiction(found: BalanceAnswer) -> RecordValidity:
-    """The judgement of the first record, with what the fit says against the actuator's file: a scale that is wrong passes every other look."""
-    gate, text = found.gates[0], contradiction(found.base, found.record, units_of(found.known, found.records))
+    """The judgement of all records, with what the fit says against the actuator's file: a scale that is wrong passes every other look."""
+    gate, text = _of_all(found), contradiction(found.base, found.record, units_of(found.known, found.records))
     return replace(gate, remarks=(RecordRemark("scale", "weakens", text), *gate.remarks)) if text else gate
 
 
@@ -170,6 +182,14 @@ def friction(actuator: Actuator, fastest_rad_s: float) -> result.FrictionShape |
     if not least or not total[least] > 0.0:
         return None
     return result.FrictionShape(float(total[0]), float(total[least]), float(speeds[least]), 100.0 * float(total[0] / total[least] - 1.0))
+
+
+def _with_measured(shape: result.FrictionShape | None, found: BalanceAnswer) -> result.FrictionShape | None:
+    """A model's friction beside that of runs at constant speed, where there are enough."""
+    bump = found.bump if shape is not None else None
+    if shape is None or bump is None:
+        return shape
+    return replace(shape, measured=result.MeasuredFriction(bump.slowest_rad_s, bump.above_percent, bump.least_at_rad_s))
 
 
 def _steps(way: ForceSteps) -> tuple[StepEntry, ...]:

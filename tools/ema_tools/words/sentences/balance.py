@@ -36,10 +36,10 @@ _PLAY_UNSEEN = (
     "A play (BLK) is not seen in these records: it needs the rod's position beside the motor's position or speed, in a motion that turns."
 )
 _FLOORS: dict[FloorFrom | None, str] = {
-    "laps": "the laps repeat to {:.2f} %",
-    "healthy records": "the healthy records leave {:.2f} %",
-    "estimate": "no model of these records will come below some {:.2g} %, by an estimate",
-    "noise": "their noise is {:.2g} %, by an estimate",
+    "laps": "the laps repeat to {0:.2f} %",
+    "healthy records": "the healthy records leave {0:.2f} %",
+    "estimate": "no model of these records will come below some {1} %, by an estimate",
+    "noise": "their noise is {1} %, by an estimate",
     None: "no floor is known",
 }
 
@@ -50,11 +50,13 @@ def sentence(found: BalanceAnswer) -> str:
         return _against_healthy(found, found.healthy)
     given, division = found.forces.given, found.forces.division
     parts = PARTS[division.by]
-    floor = _FLOORS[found.floor_from].format(found.floor_percent)
+    floor = _FLOORS[found.floor_from].format(found.floor_percent, significant(found.floor_percent, 2))
     if not found.accepted:
         said = (
             "these records do not tell whether what is left is chance or something that the model lacks"
             if found.untellable
+            else found.unseen
+            if found.unseen and not found.exceeds
             else f"no effect of the library carries over to the {parts} held out"
             if found.verdict == "unknown"
             else "nothing exceeds what the laps repeat"
@@ -210,10 +212,21 @@ def _changed(found: BalanceAnswer, one: Change) -> str:
 
 
 def friction_sentence(found: FrictionShape, units: MachineUnits = TURNING) -> str:
-    """Where steady friction is least, and how far above that it is at standstill."""
-    speed, unit = units.told(found.minimum_at_rad_s, "rad/s")
-    turns = f" ({found.minimum_at_rad_s * 60.0 / (2.0 * math.pi):.3g} rpm) of the motor" if units.m_per_rad is None else ""
-    return f"Friction at standstill is {found.above_minimum_percent:.2g} % above its minimum, which lies at {speed:.3g} {unit}{turns}."
+    """Where steady friction is least, and how far above that it is at standstill: by the model, and as runs at constant speed show it."""
+    text = f"Friction at standstill is {significant(found.above_minimum_percent, 2)} % above its minimum, which lies at {_speed(found.minimum_at_rad_s, units)}"
+    seen = found.measured
+    if seen is None:
+        return f"{text}."
+    return (
+        f"{text}, by the model; in runs at constant speed it is {significant(seen.above_least_percent, 2)} % higher at {_speed(seen.slowest_rad_s, units)} "
+        f"than at {_speed(seen.least_at_rad_s, units)}, where it is least."
+    )
+
+
+def _speed(rad_s: float, units: MachineUnits) -> str:
+    speed, unit = units.told(rad_s, "rad/s")
+    turns = f" ({rad_s * 60.0 / (2.0 * math.pi):.3g} rpm) of the motor" if units.m_per_rad is None else ""
+    return f"{speed:.3g} {unit}{turns}"
 
 
 def forward_sentence(found: ForwardErrors, units: MachineUnits = TURNING) -> str:

@@ -16,7 +16,7 @@ from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
-from ema_tools.words.sentences.sizes import MUCH_HIDDEN, size_text
+from ema_tools.words.sentences.sizes import MUCH_HIDDEN, significant, size_text
 
 _TELLING = ("motor_position_mm", "current_A", "voltage_V")
 _NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
@@ -87,11 +87,11 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
     if found.objection == "signals":
         return f"the signals together ({_signals(checked.signals)}) say {_shifts(checked)}: ema diagnose ACTUATOR REC looks at all of them"
     if found.objection == "open" and found.foretold is not None and found.within_climate():
-        warmth = f"CSJ by {200.0 * found.foretold.by_temperature:.2g} %"
+        warmth = f"CSJ by {significant(200.0 * found.foretold.by_temperature, 2)} %"
         return f"today's winding and grease are those of another temperature than on the healthy records, and with it values may differ ({warmth}): healthy records at today's temperature would tell"
     if found.objection == "open" and found.within_scatter():
         scatter = ", ".join(
-            f"{TITLES[name]} by {100.0 * found.healthy_std(name) / abs(found.healthy[name]):.2g} %" for name in checked.shift
+            f"{TITLES[name]} by {significant(100.0 * found.healthy_std(name) / abs(found.healthy[name]), 2)} %" for name in checked.shift
         )
         if set(checked.shift) & set(found.healthy.scatter):
             return f"this unit differs too much from run to run to tell ({scatter}), as [scatter] of its file states, and only what further runs show again is a change"
@@ -104,7 +104,7 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
         percent = 100.0 * stands.doubt(2.0, found.healthy[name])
         return (
             f"this record hardly tells {TITLES[name]} from {row_of(stands.most).field}, which differs from day to day: "
-            f"{TITLES[name]} may be off by {percent:.2g} % for that: {_more(checked)}, or a chirp to a higher frequency"
+            f"{TITLES[name]} may be off by {significant(percent, 2)} % for that: {_more(checked)}, or a chirp to a higher frequency"
         )
     return missing_words(checked)
 

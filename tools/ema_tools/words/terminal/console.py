@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import TracebackType
+from typing import Any
 
 import click
 from rich.console import Console
@@ -18,16 +19,35 @@ from ema_tools.base.files import readable
 from ema_tools.words.sentences.sizes import significant
 
 _SHOW_AFTER_S = 0.5
+_WORD, _GAP = 16, 2  # columns of a text that may go on below, and between two [layout]
+
+
+class _Whole(Console):
+    """A console that cuts no number: a table whose numbers need more columns than there are is as wide as they."""
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        least = max((_least_width(one) for one in objects if isinstance(one, Table)), default=0)
+        if least <= self.width:
+            super().print(*objects, **options)
+        else:
+            Console(width=least, file=self.file, highlight=False, soft_wrap=True).print(*objects, **options)
 
 
 def output() -> Console:
     """Console of the results; 100 columns wide when it is not a terminal, so that tables do not break."""
-    return Console(width=None if sys.stdout.isatty() else 100, highlight=False, soft_wrap=not sys.stdout.isatty())
+    return _Whole(width=None if sys.stdout.isatty() else 100, highlight=False, soft_wrap=not sys.stdout.isatty())
+
+
+def _least_width(made: Table) -> int:
+    """Columns that a table of `table` takes at least: its numbers whole, the first words of what may go on below."""
+    return sum(
+        max([len(str(column.header)), *map(len, map(str, column.cells))] if column.no_wrap else [_WORD]) + _GAP for column in made.columns
+    )
 
 
 def table(title: str, *columns: str, text_columns: int = 1) -> Table:
     """An empty table; all columns but the first `text_columns` are numbers."""
-    made = Table(title=title, title_justify="left", title_style="bold", header_style="bold", box=None, padding=(0, 2, 0, 0))
+    made = Table(title=title, title_justify="left", title_style="bold", header_style="bold", box=None, padding=(0, _GAP, 0, 0))
     for place, column in enumerate(columns):
         # a name that is cut cannot be typed: what does not fit goes on below
         made.add_column(column, justify="left" if place < text_columns else "right", no_wrap=place >= text_columns, overflow="fold")

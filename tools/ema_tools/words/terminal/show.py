@@ -229,7 +229,10 @@ def identification(console: Console, found: IdentificationResult) -> None:
         others = (other.csj_Nm if name == "csj_Nm" else other.blk_mm for other in found.seeds)
         values = [estimate.estimate, *(value for value in others if value is not None)]
         spread = 100.0 * (max(values) - min(values)) / abs(estimate.healthy or 1.0)
-        say(console, f"{FAULTS[name]} over {len(values)} seeds: {spread:.2g} % of the healthy value between the largest and the smallest")
+        say(
+            console,
+            f"{FAULTS[name]} over {len(values)} seeds: {significant(spread, 2)} % of the healthy value between the largest and the smallest",
+        )
     if found.table is not None:
         say(console, table_sentence(found.table))
     if found.values and found.values_search is not None:
@@ -368,7 +371,7 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         estimated = ", by that estimate" if found.floor_from in ("estimate", "noise") else ""
         say(
             console,
-            f"Of what the refitted base values leave above the floor, {100.0 * found.unexplained:.2g} % stays unexplained{estimated}.",
+            f"Of what the refitted base values leave above the floor, {significant(100.0 * found.unexplained, 2)} % stays unexplained{estimated}.",
         )
     if found.drive_lag_s:
         say(console, lag_sentence(found.drive_lag_s))
