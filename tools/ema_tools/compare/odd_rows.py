@@ -29,6 +29,7 @@ _HIGH = 0.5  # of its largest value, that a signal that clips has reached [judge
 _OF_DRIVE = 0.01  # of the drive's rms, that a swing above the filter must have: less is no finding [judgement]
 _ABOVE_NOISE = 30.0  # times the mean of the lines around it, that its line must be above: of thousands of lines of noise none is [chance]
 _HIGHEST = 64.0  # swings per turn that are looked for [judgement]
+_WHOLE = 2.0  # lines of its spectrum, by which a number of swings may be off a whole one that it is [precision]
 _LEAST_TURNS = 3.0  # of the motor, before a swing per turn is one [judgement]
 
 
@@ -96,11 +97,13 @@ def swings_unseen(record: MotionRecord, model: Mechanical, motion: Motion) -> li
     if order is None:
         return []
     often, amplitude = order
+    whole = round(often)
+    often = float(whole) if whole and abs(often - whole) < _WHOLE / turns else often
     hz = often * abs(float(np.mean(speed))) / (2.0 * np.pi)
     share = 100.0 * amplitude / float(np.sqrt(np.mean(drive**2)))
     text = (
         f"the drive swings {often:.3g} times per motor turn ({hz:.3g} Hz) by {share:.2g} % of its size, above the {model.smoother.cutoff_hz:.3g} Hz "
-        f"to which noise of the motion leaves anything to be seen in {record.file}: nothing is said of it"
+        f"to which noise of the motion leaves anything to be seen in {record.file}, where nothing is looked for"
     )
     return [RecordRemark(UNSEEN, "weakens", text, "record the motor's angle, or its speed with less noise, or run slower", True)]
 
