@@ -25,6 +25,7 @@ from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import one_line, read_text, readable, write_text
 from ema_tools.data.incomplete import NONE_OF_IT, WITHOUT, absent_sections, forgotten, is_incomplete, left_out
 from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions, shipped_folder
+from ema_tools.library.one_at_a_site import clash, taken_out
 
 ABOUT = ("name", "notes", "source", "command_acts")
 # A key of [actuator]: the time constant by which a drive records its current or torque late, where that is known.
@@ -218,6 +219,8 @@ class Actuator:
     ) -> Actuator:
         """A copy with some values (by any name that `row_of` takes; numbers as in `values`), parts of [actuator] and comments behind values replaced.
 
+        An effect that comes where one stands of which it is the general case takes its place.
+
         Raises InputError for an unknown name or a value out of range.
         """
         values = dict(self.values)
@@ -226,7 +229,9 @@ class Actuator:
             if not (math.isfinite(number) and row.lower <= number <= row.upper):
                 raise InputError(f"{shown(row)} = {number:g}: outside {_range(row)}: give a value inside")
             values[row.name] = float(number)
-        stated = self.absent - {row_of(name).name for name in changes}
+        rows = {row_of(name).name for name in changes}
+        values |= taken_out(values, rows)
+        stated = self.absent - rows
         return replace(
             self,
             values=values,
@@ -483,6 +488,8 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
     lag_s = _drive_lag(own, file)
     about = _about(own, file)
     _take_effects(content.pop("effects", {}), known, values, file)
+    if two := clash(values):
+        raise InputError(f"{file}: [effects]: {two}")
     scatter = _scatter(content.pop(SCATTER, {}), file)
     healthy = _healthy(content.pop(CALIBRATION, {}), file)
     sections = known.sections

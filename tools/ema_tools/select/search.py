@@ -28,6 +28,7 @@ _UNEXPLAINED = 0.1  # with more than this share of the excess left the answer is
 # ... but for one effect alone that no other comes near, of which its own form may leave more, and for friction or play, which are
 # what is watched: [measured]
 _OF_ITS_FORM, _OF_A_FAULT = 0.125, 0.35
+_OF_SPECIAL = 0.1  # of what a special case leaves above the floor, that the general one must take off [judgement]
 # a rival that leaves less than so many times as much above the floor comes near, and less than this share of the excess [judgement]
 _NEAR, _NOTHING = 4.0, 0.9
 # The model is trusted to this share of what changed, in amplitude: what a missing interplay of a change and a standing error may
@@ -102,8 +103,9 @@ def _with_special_cases(fits: tuple[Fit, ...], held: Sequence[str], first: str) 
     return best_of_each([*fits, *(case for case in cases if case is not None)])
 
 
-def _without_needless(fits: tuple[Fit, ...], held: Sequence[str], needed: Callable[[float], float]) -> tuple[Fit, ...]:
-    """Without the fit of an effect that is another one in a special case and does not take off beyond that one what a further effect must, `needed` at a cost."""
+def _without_needless(fits: tuple[Fit, ...], held: Sequence[str], needed: Callable[[float], float], floor: float) -> tuple[Fit, ...]:
+    """Without the fit of an effect that is another one in a special case and does not take off beyond that one what a further effect must, `needed` at a cost, and a good share of what that
+    one leaves above the floor: where the hidden form is neither's, the one with more values always leaves a little less."""
     if not fits:
         return fits
     first = _newest(fits[0], held)
@@ -112,7 +114,9 @@ def _without_needless(fits: tuple[Fit, ...], held: Sequence[str], needed: Callab
 
     def needless(effect: str) -> bool:
         special = by_newest.get(record_of(effect).special_case)
-        return special is not None and special.judged - by_newest[effect].judged < needed(special.cost)
+        if special is None:
+            return False
+        return special.judged - by_newest[effect].judged < max(needed(special.cost), _OF_SPECIAL * (special.cost - floor))
 
     return tuple(fit for fit in fits if not needless(_newest(fit, held)))
 
@@ -179,7 +183,7 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         fits = strategy.refined(best_of_each(each(refitted, finalists)), confounded, not rounds, cost)
         slight = {effect for fit in fits if strategy.is_slight(fit, effect := _newest(fit, held))}
         fits = tuple(fit for fit in fits if _newest(fit, held) not in slight)
-        fits = _without_needless(fits, held, partial(strategy.needed, (), place + 1))
+        fits = _without_needless(fits, held, partial(strategy.needed, (), place + 1), strategy.floor)
         scores = {name: score for name, score in scores.items() if name not in slight}
         limits = {fit.effects[0]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
         rounds.append(Round(scores, fits, limits))

@@ -8,6 +8,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator, nearest, parsed, row_of
 from ema_tools.data.commands import SampledCommand
 from ema_tools.data.records import COLUMNS, Record, from_simulation
+from ema_tools.library.one_at_a_site import clash
 from ema_tools.plant.native import library
 
 
@@ -20,7 +21,10 @@ def with_settings(actuator: Actuator, settings: Iterable[str]) -> Actuator:
             raise InputError(f"--set {setting}: no value: write --set section.field=value")
         row = row_of(name.strip())
         changes[row.name] = parsed(row, value.strip(), "--set ")
-    return actuator.changed(changes)
+    changed = actuator.changed(changes)
+    if two := clash(changed.values):
+        raise InputError(f"--set: {two}")
+    return changed
 
 
 def noise_of(text: str | None) -> dict[str, float]:
