@@ -366,6 +366,7 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         rows.add_row(_FLOORS[found.floor_from], "", "", number(found.error.floor, 3), "")
     console.print(rows)
     say(console, held_out_sentence(", ".join(found.holdout) or f"the last of {forces.laps.parts} {GROUPS[forces.laps.by]}"))
+    say(console, "As given counts every row, those at rest too, as ema compare does; every other line those that slide.")
     _base(console, found)
     if found.unexplained is not None and found.verdict != "adequate":
         estimated = ", by that estimate" if found.floor_from in ("estimate", "noise") else ""
