@@ -187,13 +187,23 @@ def test_a_slow_small_motion_does_not_tell_friction_from_magnets() -> None:
         assert low is not None and high is not None and low < true < high
 
 
-SLOW = "chirp:amplitude_mm=0.5,end_hz=0.3,duration_s=20"
+def test_a_winding_that_is_warm_alone_may_be_a_current_that_is_read_wrongly() -> None:
+    """A doubled play beside a current that reads 10 % too much: "CSJ +10 %" and a winding 23 degC colder, or neither."""
+    healthy = [recorded({}, SMALL, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+    today = recorded({"screw.blk_mm": 2.0 * BLK_MM}, SMALL)
+    assert today.current_A is not None
+    told = sentence(identify(KNOWN, replace(today, current_A=1.1 * today.current_A), healthy))
+    assert "sensor of the current would read 1.10 times the current, and CSJ would be about +0 %" in told, told
+    assert "sensor of the current" not in sentence(identify(KNOWN, today, healthy))
+
+
+SLOW_SMALL = "chirp:amplitude_mm=0.5,end_hz=0.3,duration_s=20"
 
 
 def test_no_unit_is_healthy_beside_an_effect_that_is_missing() -> None:
     """Magnets 10 % stronger hide CSJ +12 % on a slow, small motion behind a rise of the drag that is not there: "healthy, besides a rise" would be wrong."""
-    healthy = [recorded({}, SLOW, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
-    found = identify(KNOWN, recorded({"screw.csj_Nm": 1.12 * CSJ_NM, **magnets(0.10)}, SLOW), healthy)
+    healthy = [recorded({}, SLOW_SMALL, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
+    found = identify(KNOWN, recorded({"screw.csj_Nm": 1.12 * CSJ_NM, **magnets(0.10)}, SLOW_SMALL), healthy)
     assert found.answer.verdict == "healthy" and found.checked is not None and found.checked.kind == "missing", sentence(found)
     assert (found.verdict, found.objection) == ("undecided", "missing"), sentence(found)
 

@@ -74,6 +74,22 @@ def following(known: KnownMachine, base: MachineFit) -> tuple[Evidence, GreaseTo
     return replace(evidence, spread=spread), GreaseToday(warmer, moved[_GREASE])
 
 
+def winding_alone(known: KnownMachine, base: MachineFit) -> float | None:
+    """By what share the winding's resistance is surely off the healthy runs where nothing else of the record is as warm; None where it is not, or the record does not compare current and voltage.
+
+    A current that is read wrongly makes the same of both signals.
+    """
+    if not {"current_A", "voltage_V"} <= set(known.evidence.channels) or _WINDING not in known.scatter:
+        return None
+    if not _is_of_a_day(known, base):
+        return None
+    grease = base.values[_GREASE] - known.actuator[_GREASE] if _GREASE in known.scatter else 0.0
+    tells = abs(grease) >= _SHOWN * known.with_whole_std(base).std.get(_GREASE, math.inf)
+    if tells and following(known, base) is not None:
+        return None
+    return base.values[_WINDING] / known.actuator[_WINDING] - 1.0
+
+
 def _is_of_a_day(known: KnownMachine, base: MachineFit) -> bool:
     """Whether the winding is off the healthy runs, surely, and no farther than a day takes it."""
     if not _LEAST_DEGC <= abs(_warmer_degC(known, base)) <= _MOST_DEGC or known.at_reach(base):

@@ -25,7 +25,7 @@ from ema_tools.select.baseline import same_command
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
 from ema_tools.select.known_machine import blocked, compared, repeats_of
-from ema_tools.select.warmth import MagnetsToday, without_magnets
+from ema_tools.select.warmth import MagnetsToday, winding_alone, without_magnets
 from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import (
     COMMAND_SPEED,
@@ -63,6 +63,7 @@ class Identified:
     `seen`: the record as it was searched, `settings`: how; `tried`: the values of every model run, in the order of `costs`, none where they are not known.
     `least_percent`: the shifts that are called a fault, by name; `doubt`: why two healthy records may not both be, in words; `checked`: what all signals say of the
     estimates; None where it was not wanted; `foretold`: what dry friction should be today beside that of the healthy records, where they can tell; the healthy value is that of today.
+    `winding`: by what share its resistance is off that of the healthy records, where nothing else of the record is as warm.
     """
 
     actuator: Actuator
@@ -84,6 +85,7 @@ class Identified:
     scatter: Mapping[str, float] = field(default_factory=dict)
     foretold: Foretold | None = None
     magnets: MagnetsToday | None = None
+    winding: float | None = None
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
@@ -376,6 +378,7 @@ def identify(
     same = repeats_of(record, healthy) if table is None else ()
     repeats = compared(actuator, record, same) if same else None
     magnets: MagnetsToday | None = None
+    winding: float | None = None
     baseline: Baseline | None = None
     doubt = ""
     foretold: Foretold | None = None
@@ -387,6 +390,7 @@ def identify(
             unit, magnets = warm
             repeats = replace(repeats, unit=unit)
             base = repeats.known.base({})
+        winding = winding_alone(repeats.known, base) if magnets is None else None
         runs = healthy_runs(actuator, repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
@@ -466,4 +470,5 @@ def identify(
         scatter,
         foretold,
         magnets,
+        winding,
     )

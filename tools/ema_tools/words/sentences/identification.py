@@ -8,10 +8,12 @@ import numpy as np
 
 from ema_tools.compare.comparison import TITLES as SIGNAL_TITLES
 from ema_tools.data.actuator import row_of
+from ema_tools.fit.temperature import COPPER_PER_DEGC
 from ema_tools.library.display_names import all_coded, coded, value_called
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
 from ema_tools.select.cross_check import LITTLE_LEFT, CrossCheck
+from ema_tools.tasks.healthy_runs import DRY
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
 from ema_tools.words.sentences.few_records import few_records
@@ -19,6 +21,7 @@ from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 from ema_tools.words.sentences.sizes import MUCH_HIDDEN, significant, size_text
 
 _TELLING = ("motor_position_mm", "current_A", "voltage_V")
+_UNLIKELY = 0.06  # of the winding's resistance, 15 degC: a sensor of the current that is as far off is as likely [judgement]
 _NOTED = 0.005  # of friction: less is not worth a sentence [judgement]
 # Between what the search reads and why it does not stand.
 BECAUSE = ", which does not stand, because "
@@ -125,7 +128,7 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_hides(found)}{_reach(found) or _left(found)}{_beside(found)}{_warmth(found)}{_magnets(found)}{few}"
+    return f"{_verdict(found)}{_hides(found)}{_reach(found) or _left(found)}{_beside(found)}{_warmth(found)}{_magnets(found)}{_winding(found)}{few}"
 
 
 def _beside(found: Identified) -> str:
@@ -192,6 +195,18 @@ def _magnets(found: Identified) -> str:
     degC, percent = found.magnets.warmer_degC, 100.0 * abs(found.magnets.loss)
     how, flux = ("warmer", "weaker") if degC > 0.0 else ("colder", "stronger")
     return f" The winding is {abs(degC):.0f} degC {how} than on the healthy records, and its magnets {percent:.1f} % {flux} as temperature makes them, which is taken off."
+
+
+def _winding(found: Identified) -> str:
+    """What else a winding may be that reads as warm as nothing else does: a current that is read wrongly, and with it friction."""
+    shifts = found.checked.shift if found.checked is not None else {}
+    if found.winding is None or abs(found.winding) < _UNLIKELY or found.verdict == "undecided" or DRY not in shifts:
+        return ""
+    degC, percent = found.winding / COPPER_PER_DEGC, 100.0 * ((1.0 + shifts[DRY]) * (1.0 + found.winding) - 1.0)
+    return (
+        f" The winding reads {abs(degC):.0f} degC {'warmer' if degC > 0.0 else 'colder'} than on the healthy records, and nothing else in this record tells of a temperature: "
+        f"were it as warm as there, the sensor of the current would read {1.0 / (1.0 + found.winding):.2f} times the current, and CSJ would be about {round(percent) + 0:+d} %."
+    )
 
 
 def _warmth(found: Identified) -> str:
