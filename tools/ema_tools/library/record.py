@@ -120,6 +120,8 @@ class EffectRecord:
     in_balance: bool = True
     # The effect that it is in a special case, which is named in its place while it explains nearly as much.
     special_case: str = ""
+    # What to say where nothing else was found in a machine of which no healthy records are known, since nearly all machines have it; empty for what is a change.
+    usual: str = ""
     # Effects from which no record of one machine tells it apart; they name it too.
     inseparable: tuple[str, ...] = ()
     # What tells it from others that are separated by the same, where a command does not.

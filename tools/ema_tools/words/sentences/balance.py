@@ -72,8 +72,14 @@ def sentence(found: BalanceAnswer) -> str:
     verb = "are" if len(found.accepted) > 1 else "is"
     return (
         f"{found.names}: {_leads(found)}missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
-        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{_stays(found)}."
+        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{_stays(found)}.{_usual(found)}"
     )
+
+
+def _usual(found: BalanceAnswer) -> str:
+    """That what was found is in nearly every machine, where nothing else was."""
+    told = [record_of(step.effect).usual for step in found.accepted]
+    return f" {'; '.join(one[:1].upper() + one[1:] for one in told)}." if all(told) else ""
 
 
 def _leads(found: BalanceAnswer) -> str:
