@@ -8,8 +8,8 @@ import numpy as np
 from scipy import optimize
 
 from ema_tools.balances.filtering import Smoother
-from ema_tools.balances.mechanical import Mechanical, mechanical_model
-from ema_tools.balances.motion import motion_of
+from ema_tools.balances.mechanical import Mechanical, mechanical_model, quiet_smoother
+from ema_tools.balances.motion import Motion, motion_of
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 from ema_tools.compare.odd_rows import odd_rows, swings_unseen
@@ -52,7 +52,9 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
         remarks.append(RecordRemark("coverage", "blocks", f"{_name(record)} does not change", "record while the machine moves"))
         return RecordValidity(present, tuple(remarks), {})
     try:
-        model = mechanical_model(actuator, record)
+        smoother = quiet_smoother(actuator, record)
+        smoothed = motion_of(actuator, record, smoother)
+        model = mechanical_model(actuator, record, smoother, smoothed)
     except MissingSignal as error:
         remarks.append(RecordRemark("signals", "blocks", str(error), "record it, or state it in the actuator"))
         return RecordValidity(present, tuple(remarks), {})
@@ -62,7 +64,7 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
             RecordRemark("signals", "blocks", "the drive is zero throughout", "look which column holds the torque, force or current")
         )
     else:
-        remarks += [*odd_rows(record), *swings_unseen(record, model, motion_of(actuator, record, model.smoother))]
+        remarks += [*odd_rows(record), *swings_unseen(record, model, smoothed)]
     low, high = np.quantile(speed, (_A_TENTH, 1.0 - _A_TENTH))
     if low < 0.0 < high and min(-low, high) > _A_TENTH * float(np.max(np.abs(speed))) and np.ptp(drive) > 0.0:
         alike = float(np.corrcoef(drive, speed)[0, 1])
@@ -71,7 +73,7 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
             remarks.append(
                 RecordRemark("signs", "weakens", text, "look whether the sign of the drive or of the motion is turned in the map")
             )
-        remarks += _late(actuator, record, model)
+        remarks += _late(actuator, record, model, smoothed)
     fastest = float(np.max(np.abs(speed)))
     moves = model.smoother.inner(~model.still)
     forward = float(np.mean(speed[moves] > 0.0)) if moves.any() else 0.5
@@ -89,7 +91,7 @@ def one_way(gates: Sequence[RecordValidity]) -> RecordRemark | None:
     return None
 
 
-def _late(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[RecordRemark]:
+def _late(actuator: Actuator, record: MotionRecord, model: Mechanical, motion: Motion) -> list[RecordRemark]:
     """Whether the drive was recorded by another clock than the motion: whether inertia and friction fit it far better with the motion some time earlier or later.
 
     A contact that yields before it slides is late as well, by an angle and not by a time: it is free on either side.
@@ -99,7 +101,7 @@ def _late(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[R
     kept = slice(0, _LAG_ROWS_MAX)
     target = model.smoother.inner(model.drive_Nm - model.load_Nm - model.added_Nm)[::every][kept]
     moves = model.smoother.inner(~model.resting)[::every][kept]
-    columns = [model.smoother.inner(one)[::every][kept] for one in _yielding(actuator, record, model)]
+    columns = [model.smoother.inner(one)[::every][kept] for one in _yielding(actuator, record, model, motion)]
     most = min(max(_LAG_STEPS_MIN, round(_LAG_MAX_S / step_s)), target.size // 10)
     errors = {}
     for steps in range(-most, most + 1):
@@ -123,12 +125,11 @@ def _late(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[R
     return [RecordRemark("clock", "weakens", text, wanted)]
 
 
-def _yielding(actuator: Actuator, record: MotionRecord, model: Mechanical) -> list[Reals]:
+def _yielding(actuator: Actuator, record: MotionRecord, model: Mechanical, motion: Motion) -> list[Reals]:
     """The columns of the base parameters as the actuator has them, and with contacts that yield, [rows, 4] each."""
     size = next((effect.size for effect in load_definitions().physical if effect.site == "PRESLIDING"), None)
     if size is None or effect_of(size.name) in actuator.active_effects:
         return [model.columns]
-    motion = motion_of(actuator, record, model.smoother)
     soft = (actuator.changed({size.name: stretch}) for stretch in _STRETCHES_RAD)
     return [model.columns, *(mechanical_model(one, record, model.smoother, motion).columns for one in soft)]
 

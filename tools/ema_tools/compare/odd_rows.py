@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from ema_tools.balances.filtering import Smoother
 from ema_tools.balances.mechanical import Mechanical
@@ -44,9 +45,6 @@ def odd_rows(record: MotionRecord) -> list[RecordRemark]:
 
 
 def _far_off(name: str, values: Reals) -> Iterator[RecordRemark]:
-    # a tenth of a second to load, for records of other machines alone
-    from scipy import ndimage
-
     calm = ndimage.median_filter(values, _WINDOW, mode="nearest")
     few = max(_FEW, round(_FEW_SHARE * values.size))
     others = np.sort(values)[few:-few]

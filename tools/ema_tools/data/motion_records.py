@@ -140,13 +140,17 @@ def of_controlled(record: Record) -> MotionRecord:
     )
 
 
+def _no_motion(record: AnyRecord) -> InputError:
+    return InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}{FOREIGN}")
+
+
 def motion_signal(record: AnyRecord) -> Reals:
     """The first of the recorded motions, [rows]. Raises InputError where there is none."""
     for name in MOTIONS:
         values: Reals | None = getattr(record, name, None)
         if values is not None:
             return values
-    raise InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}{FOREIGN}")
+    raise _no_motion(record)
 
 
 def mean_speed(record: AnyRecord) -> float:
@@ -159,7 +163,7 @@ def mean_speed(record: AnyRecord) -> float:
 def check_signals(record: MotionRecord, voltage_serves: bool = False) -> None:
     """Raises InputError when a motion or a drive is missing; a voltage is a drive where `voltage_serves`."""
     if not any(name in record.present for name in MOTIONS):
-        raise InputError(f"{record.file}: no motion: needs one of the columns {', '.join(MOTIONS)}{FOREIGN}")
+        raise _no_motion(record)
     drives = (*DRIVES, *VOLTAGES) if voltage_serves else DRIVES
     if not any(name in record.present for name in drives):
         more = "" if voltage_serves else ", or voltage_V and an actuator with the motor's resistance_ohm and back_emf_V_s_per_rad"

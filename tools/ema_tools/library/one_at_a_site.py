@@ -22,16 +22,20 @@ def _sizes(site: str) -> tuple[tuple[str, str, float], ...]:
     return tuple(one for one in load_definitions().sizes if one[0] in names)
 
 
+def _acting(site: str, values: Mapping[str, float]) -> list[tuple[str, str, float]]:
+    return [(name, size, zero) for name, size, zero in _sizes(site) if values[size] != zero]
+
+
 def acting(site: str, values: Mapping[str, float]) -> tuple[str, ...]:
     """Effects of a site whose size is not none."""
-    return tuple(name for name, size, zero in _sizes(site) if values[size] != zero)
+    return tuple(name for name, _, _ in _acting(site, values))
 
 
 def taken_out(values: Mapping[str, float], changed: Collection[str]) -> dict[str, float]:
     """Sizes of effects that stand where an effect among the values `changed` takes their place, being the same and more: a contact that yields becomes one behind a play."""
     found: dict[str, float] = {}
     for site in ONE_AT_A_TIME:
-        here = [one for one in _sizes(site) if values[one[1]] != one[2]]
+        here = _acting(site, values)
         new = [name for name, size, _ in here if size in changed]
         if len(here) > 1 and len(new) == 1:
             special = record_of(new[0]).special_case
