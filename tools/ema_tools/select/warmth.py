@@ -14,6 +14,7 @@ import numpy as np
 
 from ema_tools.data.actuator import Actuator
 from ema_tools.fit.evidence import Evidence
+from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.temperature import COPPER_PER_DEGC, GREASE_PER_DEGC
 from ema_tools.select.known_machine import LAST_STEPS, KnownMachine, MachineFit
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
@@ -38,18 +39,19 @@ class MagnetsToday:
 
 
 def without_magnets(known: KnownMachine, base: MachineFit) -> tuple[Evidence, MagnetsToday] | None:
-    """A record beside healthy runs without what another temperature makes of the magnets, and what that was; None where it shows nothing of the kind. `base`: of CSJ, BLK and what scatters."""
+    """A record beside healthy runs with the magnets as free as today's temperature has moved them, and how far that is; None where it shows nothing of the kind.
+
+    They are free and not taken off: an effect that is missing bends what is read of them, and beside it they fall back. `base`: of CSJ, BLK and what scatters.
+    """
     evidence = known.evidence
     if not evidence.relative or len(evidence.channels) < 2 or not known.actuator.has(_OF_MAGNETS[0]) or _WINDING not in known.scatter:
         return None
     if known.plain(base) or not _is_of_a_day(known, base):
         return None
-    found = _read(known, base)
-    if found is None:
+    today = _read(known, base)
+    if today is None:
         return None
-    today, fit = found
-    by_magnets = known.signals(fit.values) - known.signals({**fit.values, **_changed(known.actuator, 0.0)})
-    return replace(evidence, target=evidence.target - by_magnets), today
+    return replace(evidence, spread=(*evidence.spread, Spread(_OF_MAGNETS, abs(today.loss), True))), today
 
 
 @dataclass(frozen=True)
@@ -107,8 +109,8 @@ def _changed(actuator: Actuator, loss: float) -> Mapping[str, float]:
     return {name: actuator[name] * (1.0 - loss) for name in _OF_MAGNETS}
 
 
-def _read(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineFit] | None:
-    """What the magnets have lost and the rest of the machine beside it, by the lowest point of the cost through three losses; None where that is not inside what temperature does."""
+def _read(known: KnownMachine, base: MachineFit) -> MagnetsToday | None:
+    """What the magnets have lost, by the lowest point of the cost through three losses; None where that is not inside what temperature does."""
     most = _MOST_PER_DEGC * _warmer_degC(known, base)
     losses = [share * most for share in _TRIED]
     costs = [base.cost]
@@ -126,7 +128,7 @@ def _read(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineF
         return None
     warmer = _warmer_degC(known, fit)
     is_theirs = abs(warmer) >= _LEAST_DEGC and 0.0 < loss / (_MOST_PER_DEGC * warmer) < 1.0
-    return (MagnetsToday(warmer, loss), fit) if is_theirs else None
+    return MagnetsToday(warmer, loss) if is_theirs else None
 
 
 def _beside(known: KnownMachine, base: MachineFit, loss: float) -> MachineFit | None:

@@ -20,6 +20,8 @@ EFFECT = EffectRecord(
     independent_shapes=6,
     # it reads the drive, and beside refitted base values it stands in for any drag
     in_balance=False,
+    # one that falls off only beyond the speeds of the motion
+    special_case="load_dependent_friction",
     local=LocalTorque(torque=_torque, tried={"speed_rad_s": (2.0, 4.0, 7.0, 12.0, 20.0, 32.0, 50.0), "shape": (1.0, 2.0)}),
     separated_by=(measurements.OUTSIDE_FORCE, measurements.BREAK_AWAY),
     onboard=Onboard({"speed_rad_s": (3.0, 12.0), "shape": (1.0,)}),
