@@ -39,19 +39,34 @@ class MagnetsToday:
 
 
 def without_magnets(known: KnownMachine, base: MachineFit) -> tuple[Evidence, MagnetsToday] | None:
-    """A record beside healthy runs with the magnets as free as today's temperature has moved them, and how far that is; None where it shows nothing of the kind.
+    """A record beside healthy runs without what another temperature makes of the magnets, and what that was; None where it shows nothing of the kind. `base`: of CSJ, BLK and what scatters.
 
-    They are free and not taken off: an effect that is missing bends what is read of them, and beside it they fall back. `base`: of CSJ, BLK and what scatters.
+    For what takes the machine for known but for these: an effect that is missing bends what is read here.
     """
+    found = _of_magnets(known, base)
+    if found is None:
+        return None
+    today, fit = found
+    by_magnets = known.signals(fit.values) - known.signals({**fit.values, **_changed(known.actuator, 0.0)})
+    return replace(known.evidence, target=known.evidence.target - by_magnets), today
+
+
+def with_magnets_free(known: KnownMachine, base: MachineFit) -> tuple[Evidence, MagnetsToday] | None:
+    """The same with the magnets free by as much as was read of them, so that they fall back beside an effect that had bent it."""
+    found = _of_magnets(known, base)
+    if found is None:
+        return None
+    today, _ = found
+    return replace(known.evidence, spread=(*known.evidence.spread, Spread(_OF_MAGNETS, abs(today.loss), True))), today
+
+
+def _of_magnets(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineFit] | None:
     evidence = known.evidence
     if not evidence.relative or len(evidence.channels) < 2 or not known.actuator.has(_OF_MAGNETS[0]) or _WINDING not in known.scatter:
         return None
     if known.plain(base) or not _is_of_a_day(known, base):
         return None
-    today = _read(known, base)
-    if today is None:
-        return None
-    return replace(evidence, spread=(*evidence.spread, Spread(_OF_MAGNETS, abs(today.loss), True))), today
+    return _read(known, base)
 
 
 @dataclass(frozen=True)
@@ -109,8 +124,8 @@ def _changed(actuator: Actuator, loss: float) -> Mapping[str, float]:
     return {name: actuator[name] * (1.0 - loss) for name in _OF_MAGNETS}
 
 
-def _read(known: KnownMachine, base: MachineFit) -> MagnetsToday | None:
-    """What the magnets have lost, by the lowest point of the cost through three losses; None where that is not inside what temperature does."""
+def _read(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineFit] | None:
+    """What the magnets have lost and the rest of the machine beside it, by the lowest point of the cost through three losses; None where that is not inside what temperature does."""
     most = _MOST_PER_DEGC * _warmer_degC(known, base)
     losses = [share * most for share in _TRIED]
     costs = [base.cost]
@@ -128,7 +143,7 @@ def _read(known: KnownMachine, base: MachineFit) -> MagnetsToday | None:
         return None
     warmer = _warmer_degC(known, fit)
     is_theirs = abs(warmer) >= _LEAST_DEGC and 0.0 < loss / (_MOST_PER_DEGC * warmer) < 1.0
-    return MagnetsToday(warmer, loss) if is_theirs else None
+    return (MagnetsToday(warmer, loss), fit) if is_theirs else None
 
 
 def _beside(known: KnownMachine, base: MachineFit, loss: float) -> MachineFit | None:

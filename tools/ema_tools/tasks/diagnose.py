@@ -27,7 +27,7 @@ from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, odd_signal, suspect, without_voltage
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
-from ema_tools.select.warmth import GreaseToday, MagnetsToday, following, without_magnets
+from ema_tools.select.warmth import GreaseToday, MagnetsToday, following, with_magnets_free, without_magnets
 
 _FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
 
@@ -175,7 +175,7 @@ def _warm(warmer_degC: float, what: str, hidden: str) -> RecordRemark:
 
 
 def _of_its_temperature(evidence: Evidence) -> tuple[Evidence, tuple[RecordRemark, ...]]:
-    """A record beside healthy runs without what another temperature makes of the machine, and what is said of that."""
+    """A record beside healthy runs with what another temperature makes of the machine free in it, and what is said of that."""
     known, base = _based(evidence)
     grease = following(known, base)
     if grease is None and (alone := without_magnets(known, base)) is not None:
@@ -185,7 +185,7 @@ def _of_its_temperature(evidence: Evidence) -> tuple[Evidence, tuple[RecordRemar
     if grease is not None:
         evidence, said = replace(evidence, spread=grease[0].spread), (_warm_grease(grease[1]),)
         known, base = _based(evidence)
-    if (weaker := without_magnets(known, base)) is not None:
+    if (weaker := with_magnets_free(known, base)) is not None:
         evidence, said = weaker[0], (_warm_magnets(weaker[1]), *said)
     return evidence, said
 

@@ -27,6 +27,9 @@ TIME_LIMITS = {
 }
 # Kinds of trial in which nothing is hidden: against repeats, and against the data sheet alone.
 HEALTHY = ("healthy", "stranger")
+# What real machines have and the other trials do not: forms that the library lacks, days that scatter more, units unlike what is assumed, another voltage.
+UNLIKE = ("form", "scatter", "twice", "half", "terminals")
+_UNLIKE_TEXT = "other forms, four times the scatter, other units, voltage at the motor"
 
 
 @dataclass(frozen=True)
@@ -179,6 +182,7 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
         if some:
             wrong = share_of(some, accused)
             found.append(Goal(text, str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total))
+    found += _unlike(rows)
     some = of_kind(rows, "outside", *STRONG)
     if some:
         found.append(_at_least("unknown for effects outside the library", share_of(some, lambda row: row["verdict"] == "unknown"), 90.0))
@@ -217,6 +221,28 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
         if timed:
             slowest = max(row["run_s"] for row in timed)
             found.append(Goal(f"a diagnosis {text} on all cores", f"{slowest:.1f} s", f"<= {limit_s:g} s", slowest <= limit_s))
+    return found
+
+
+def _unlike(rows: Sequence[Row]) -> list[Goal]:
+    """Of UNLIKE, with healthy repeats and without."""
+    found = []
+    unlike = [row for kind in UNLIKE for row in of_kind(rows, kind)]
+    for text, some in (
+        (_UNLIKE_TEXT, [row for row in unlike if row["repeats"]]),
+        ("other units without healthy repeats", [row for row in unlike if not row["repeats"]]),
+    ):
+        hidden = [row for row in some if row["effects"] and row["severity"] in STRONG]
+        if hidden:
+            found.append(
+                _at_least(f"{text}: the right one accepted, medium and large", share_of(hidden, all_named), 95.0, str(observed(hidden)))
+            )
+            wrong = share_of(hidden, wrongly_accused)
+            found.append(Goal(f"{text}: a wrong one accepted", str(wrong), "<= 1 %", wrong.percent <= 1.0))
+        healthy = [row for row in some if not row["effects"]]
+        if healthy:
+            wrong = share_of(healthy, accused)
+            found.append(Goal(f"{text}: healthy accused", str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total))
     return found
 
 

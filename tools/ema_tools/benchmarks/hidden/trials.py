@@ -27,6 +27,8 @@ _PIECE_ROWS = 250
 _FIRST_STRANGER = 600
 # Healthy records of one machine and command.
 _DAYS = 20
+# Of one machine of a setting.
+_SET_DAYS = 4
 # Where the voltage is recorded at the motor, what makes it another than the one asked for, and what it tells from that.
 _ELECTRICAL = (
     "inverter_dead_time",
@@ -104,7 +106,7 @@ def _command_of(place: int) -> str:
 class Plan:
     """How many trials of what: `strangers` healthy machines known by their data sheet alone; `seeds` machines for each effect and severity, every third under another command;
     the others by their counts. Other forms of effects are hidden in `seeds` machines each, at medium and large; every setting of machines gets every effect once at each of those severities,
-    on `seeds` machines in turn, and `set_healthy` healthy records of each of these.
+    on `seeds` machines in turn, and `seeds` times `set_healthy` healthy records, few of any machine.
 
     `timed`: trials of each kind of TIMED.
     """
@@ -120,7 +122,7 @@ class Plan:
     repeats: int = 5
     timed: int = 3
     first_machine: int = 1
-    set_healthy: int = 4
+    set_healthy: int = 17
 
     def trials(self) -> list[Trial]:
         """All of them."""
@@ -174,9 +176,17 @@ class Plan:
                 for order, name in places
                 for severity in strong
             ]
-            # a machine without repeats is another stranger every time
+            # a machine without repeats is another stranger every time, and one whose few repeats lie closer than its days would be accused of each of them
             found += [
-                Trial(setting, (), "", "chirp", number if repeats else number + _FIRST_STRANGER + 100 * day, repeats, day)
+                Trial(
+                    setting,
+                    (),
+                    "",
+                    "chirp",
+                    number + (len(numbers) * (day // _SET_DAYS) if repeats else _FIRST_STRANGER + 100 * day),
+                    repeats,
+                    day,
+                )
                 for number in numbers
                 for day in range(self.set_healthy)
             ]

@@ -15,7 +15,7 @@ from ema_tools.fit.refit import Fit, best_of_each, joint, jointly, polished, ref
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
-from ema_tools.select.strategies.strategy import LEAST_LIMIT, POLISH_REACH, SearchLimits, Strategy, begun_with, polished_near, refined_near
+from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, begun_with, polished_near
 
 _REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
 _EDGE_ROUNDS = 3  # of the fit of a finalist together with what scatters, where that stands at its edge [effort]
