@@ -31,6 +31,7 @@ SIZES = {
     "sag": 0.01,
     "change": 0.06,
     "drift": 0.006,
+    "rise": 0.4,
     "error": 0.0004,
     "offset_mm": 0.004,
     "asymmetry": 0.005,

@@ -13,7 +13,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Row, row_of
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
-from ema_tools.fit.evidence import CREDIBLE, ROUGHNESS, Evidence, View, settled
+from ema_tools.fit.evidence import ROUGHNESS, Evidence, View, settled
 from ema_tools.fit.misfit import misfit, whole_std
 from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import effect_of
@@ -86,12 +86,7 @@ class Fit:
 
     def deviations(self) -> Reals:
         """What scatters, at its best beside the fitted values, in spreads."""
-        return self.view.best_deviations(self.view.moved(self.values), self.reach)
-
-    @property
-    def reach(self) -> float:
-        """How far what scatters may go beside it, in spreads: as far as is credible, or as far as it has been let to go."""
-        return max(CREDIBLE, float(np.max(np.abs(self.view.deviations), initial=0.0)))
+        return self.view.best_deviations(self.view.moved(self.values))
 
     def of_effect(self, effect: str) -> dict[str, float]:
         """Values of one effect."""
@@ -171,7 +166,7 @@ def _shown(view: View, asked: Sequence[Mapping[str, float]]) -> list[Reals]:
 
 def seen_from(fit: Fit) -> View:
     """The evidence with what scatters linear at the fit itself."""
-    return settled(fit.view.evidence, fit.values, fit.deviations(), 1, fit.reach)
+    return settled(fit.view.evidence, fit.values, fit.deviations(), 1)
 
 
 def polished(fit: Fit, rounds: int) -> Fit:

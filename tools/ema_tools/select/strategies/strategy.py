@@ -22,7 +22,7 @@ _LEAST_SHARE = 0.02  # an effect must also take off this share of the excess tha
 _MOST_OF_REST = 0.5  # ... or this share of what is left, where more is left than noise can leave .. [judgement]
 _NOISE = 6.0  # ... which is so many standard deviations of the cost [chance]
 _NEARLY_ALL = 0.9  # of what is left: a further effect that takes off so much needs nothing else, however large the change was [judgement]
-POLISH_REACH = 0.3  # fits this share of the best cost behind the best may still overtake it [effort]
+_POLISH_REACH = 0.3  # fits this share of the best cost behind the best may still overtake it [effort]
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def begun_with(fit: Fit, path: Path) -> Path:
 
 def polished_near(fits: tuple[Fit, ...], rounds: int, limits: SearchLimits) -> tuple[Fit, ...]:
     """The better fits of a round with what scatters linear where they are."""
-    reach = max(limits.finalist_reach, POLISH_REACH * fits[0].judged) if fits else 0.0
+    reach = max(limits.finalist_reach, _POLISH_REACH * fits[0].judged) if fits else 0.0
     return refined_near(fits, lambda fit: polished(fit, rounds), reach)
 
 

@@ -11,14 +11,13 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
 from ema_tools.fit.evidence import CREDIBLE, FAR, FAR_ROUNDS, Evidence, raw_cost, settled
-from ema_tools.fit.refit import Fit, best_of_each, joint, jointly, polished, refit, shares_left
+from ema_tools.fit.refit import Fit, best_of_each, joint, polished, refit, shares_left
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, begun_with, polished_near
 
 _REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
-_EDGE_ROUNDS = 3  # of the fit of a finalist together with what scatters, where that stands at its edge [effort]
 _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
 _FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
 _WORN_START = 1.3  # where both faults are fitted first: where they begin, in healthy values .. [judgement]
@@ -71,13 +70,13 @@ class WithRepeats(Strategy):
         if not _at_edge(self.start.deviations):
             return []
         far = settled(self.evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
-        return [fit for fit in confounded_fits(far) if fit.cost < self.before]
+        fits = [fit for fit in confounded_fits(far) if fit.cost < self.before]
+        return [fit for fit in fits if np.max(np.abs(fit.view.deviations), initial=0.0) < _RUNS_AWAY]
 
-    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], first: bool, _cost: float) -> tuple[Fit, ...]:
-        """With what scatters linear where they are; together with it, where it stands at its edge."""
+    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
+        """With what scatters linear where they are."""
         fits = polished_near(fits, _POLISH_ROUNDS, self.limits)
-        fits = best_of_each(each(lambda fit: jointly(fit, _EDGE_ROUNDS) if _at_edge(fit.deviations()) else fit, fits))
-        return best_of_each([*confounded, *fits]) if first else fits
+        return best_of_each([*confounded, *fits]) if confounded else fits
 
     def is_no_answer(self, cost: float) -> bool:
         """So far above the floor."""
