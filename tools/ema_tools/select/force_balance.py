@@ -31,6 +31,7 @@ from ema_tools.library.display_names import coded, value_coded
 from ema_tools.library.registry import called, named, record_of
 from ema_tools.library.torques import Shape
 from ema_tools.select.balance_bench import (
+    BY_RECORDS,
     INERTIA,
     LOAD,
     Bench,
@@ -338,11 +339,16 @@ class ForceSearch:
         here = {pattern.effect for pattern in accepted.patterns} | ({load_effect()} if self.bench.load_named else set())
         general = {special: one for one in here if (special := record_of(one).special_case)}
         left = [one for one in self.effects if one not in here and one not in general and record_of(one).special_case not in here]
+        untold = {one: value for one in left if (value := self._untold(one))}
+        left = [one for one in left if one not in untold]
         added: list[Tried] = []
         refused = [
             Refusal(one, f"{coded(called(general[one]))} was accepted, of which it is a special case")
             for one in self.effects
             if one in general
+        ]
+        refused += [
+            Refusal(one, f"it is one with {value_coded(value)}, which these records do not determine") for one, value in untold.items()
         ]
         for effect in self.effects:
             if effect not in here and record_of(effect).special_case in here:
@@ -378,6 +384,11 @@ class ForceSearch:
             for one in needless
         ]
         return sorted((one for one in added if one not in needless), key=lambda one: -one.gain), refused
+
+    def _untold(self, effect: str) -> str:
+        """A base value that an effect is one with and that is taken as stated since the records do not determine it; empty where there is none."""
+        own = record_of(effect).confounded
+        return own.parameter if own is not None and self.bench.kept_because.get(own.parameter) == BY_RECORDS else ""
 
     def _another_than_its_special(self, tried: Tried) -> str:
         """Why an effect is not a general case of another one: what it adds to that one lies on an end of where it may be, even between the shapes tried; empty where it may be."""

@@ -19,6 +19,8 @@ EFFECT = EffectRecord(
     # what a running-in of seconds leaves of any machine's friction
     slight=Slight(0.003),
     independent_shapes=3,
+    # friction that rises as a machine runs has another cause
+    adds=True,
     local=LocalTorque(
         torque=_torque,
         tried={"time_s": (0.5, 1.0, 2.0, 4.0, 8.0, 20.0)},
