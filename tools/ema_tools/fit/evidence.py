@@ -32,7 +32,7 @@ _SIDE_BY_SIDE = 16  # runs of one call at most: so many go through a model step 
 _DERIVATIVE_STEP = 0.01  # of a value: large against rounding and reversals that jump a step, small against nonlinearity [precision]
 _DERIVATIVE_STEP_STD = 0.1  # of a spread, where the value is zero [precision]
 ROUGHNESS = 12.0  # differences smaller than this, in standard deviations of noise, may be the model's own roughness [precision]
-CREDIBLE = 3.0  # how far what scatters may go, in spreads: more is not credible [chance]
+_CREDIBLE = 3.0  # how far what scatters may go, in spreads: more is not credible [chance]
 # How far the machine may stand in for what is missing, in spreads: beyond, one parameter runs away against another and comes back
 # slowly [judgement]
 FAR = 12.0
@@ -262,6 +262,11 @@ class View:
         return self._place.at
 
     @property
+    def at_edge(self) -> bool:
+        """Whether anything that scatters has gone as far as is credible: what would take it farther is then seen bent."""
+        return bool(np.any(np.abs(self.deviations) >= _CREDIBLE))
+
+    @property
     def base(self) -> Reals:
         """The model there, [channels, rows]."""
         return self._place.base
@@ -400,7 +405,7 @@ class View:
         """The same with what scatters linear right here."""
         return _seen(self.evidence, self.values, self._place)
 
-    def best_deviations(self, vector: Reals | None = None, reach: float = CREDIBLE) -> Reals:
+    def best_deviations(self, vector: Reals | None = None, reach: float = _CREDIBLE) -> Reals:
         """Deviations at their best, [spread + additive], with an effect's unprojected `vector` taken off first; no farther than `reach`, which is credible.
 
         Where an effect is missing, what scatters would run away to stand in for it, and the effect would then be sought from there.
@@ -475,7 +480,7 @@ def cost_at(evidence: Evidence, values: Mapping[str, float], deviations: Reals) 
 
 
 def settled(
-    evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS, reach: float = CREDIBLE
+    evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None, rounds: int = _ROUNDS, reach: float = _CREDIBLE
 ) -> View:
     """The view after what scatters has moved to where it is best, as far as `rounds` of linear steps bring it, no farther than `reach`."""
     here = view(evidence, values, deviations)

@@ -10,7 +10,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
-from ema_tools.fit.evidence import CREDIBLE, FAR, FAR_ROUNDS, Evidence, raw_cost, settled
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, raw_cost, settled
 from ema_tools.fit.refit import Fit, best_of_each, joint, polished, refit, shares_left
 from ema_tools.library.faults import FAULTS
 from ema_tools.select.candidates import Signature
@@ -67,7 +67,7 @@ class WithRepeats(Strategy):
 
     def confounded(self) -> list[Fit]:
         """Where what scatters would go beyond what is credible: in place of a value that does, the effect that does the same."""
-        if not _at_edge(self.start.deviations):
+        if not self.start.at_edge:
             return []
         far = settled(self.evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
         fits = [fit for fit in confounded_fits(far) if fit.cost < self.before]
@@ -130,11 +130,6 @@ class WithRepeats(Strategy):
     def vague(self, best: Fit) -> list[str]:
         """Beside a large misfit a size that could be none says that something else is there."""
         return [effect for effect in best.effects if not best.determined(effect)]
-
-
-def _at_edge(deviations: Reals) -> bool:
-    """Whether what scatters has gone as far as it is let to go: from there the rest is seen bent."""
-    return bool(np.any(np.abs(deviations) >= CREDIBLE))
 
 
 def _with_scatter(path: Path) -> Path:
