@@ -105,6 +105,13 @@ def test_decoys_are_refused_with_a_reason(hidden: tuple[Actuator, Record, ForceS
     assert "by simulation alone" in reasons["load_dependent_stribeck"]
 
 
+def test_friction_that_rises_as_the_machine_runs_is_no_warming_grease() -> None:
+    for fall, named_so in ((0.1, True), (-0.1, False)):
+        actuator, record = axis_record({"grease_warming.fall": fall, "grease_warming.time_s": 5.0})
+        found = improve_by_forces(actuator, (record,))
+        assert ("grease_warming" in [step.effect for step in found.steps]) is named_so, fall
+
+
 def test_the_new_actuator_closes_the_balance(hidden: tuple[Actuator, Record, ForceSteps]) -> None:
     actuator, record, found = hidden
     assert set(found.actuator.active_effects) == {"constant_load", "pitch_ripple"}

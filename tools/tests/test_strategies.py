@@ -132,3 +132,13 @@ def test_another_form_is_named_with_the_share_that_it_leaves(form: str, machine:
 def test_a_large_cogging_is_named_alone_without_repeats() -> None:
     found = _answered("alone", "cogging_torque", 2, 0)
     assert (found.verdict, list(found.accepted)) == ("missing", ["cogging_torque"])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant is slow without numba")
+@pytest.mark.parametrize(("effect", "machine"), [("actuation_delay", 1), ("viscous_rise", 3)])
+def test_a_day_of_another_temperature_hides_no_effect(effect: str, machine: int) -> None:
+    """Magnets were read of a hidden delay and taken off; and grease beyond all scatter was seen from the edge of what scatter may do."""
+    found = _answered("scatter", effect, machine, 5)
+    assert (found.verdict, list(found.accepted)) == ("missing", [effect])
+    assert found.unexplained < 0.1
