@@ -25,6 +25,8 @@ _AGAINST = (
     -0.5
 )  # correlation of the drive with the way it moves: friction alone makes it positive, a load of its own size makes it none [judgement]
 
+# A drive of the wrong sign fits inertia and friction of less than none to more than half of itself, and each is a part of it that noise is not [judgement]
+_TURNED_LEAVES, _TURNED_PART = 0.5, 0.05
 _ONE_WAY = 0.98  # of the time in motion, that all go the same way [judgement]
 _LAG_STEP_S = 0.005  # lags are tried so far apart .. [precision]
 _LAG_MAX_S = 0.1  # .. up to here, slower than the transport of any drive's messages .. [physics]
@@ -64,7 +66,7 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
             RecordRemark("signals", "blocks", "the drive is zero throughout", "look which column holds the torque, force or current")
         )
     else:
-        remarks += [*odd_rows(record), *swings_unseen(record, model, smoothed)]
+        remarks += [*_turned(model), *odd_rows(record), *swings_unseen(record, model, smoothed)]
     low, high = np.quantile(speed, (_A_TENTH, 1.0 - _A_TENTH))
     if low < 0.0 < high and min(-low, high) > _A_TENTH * float(np.max(np.abs(speed))) and np.ptp(drive) > 0.0:
         alike = float(np.corrcoef(drive, speed)[0, 1])
@@ -80,6 +82,25 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
     return RecordValidity(
         present, tuple(remarks), {"speed_max_rad_s": fastest, "moving_share": float(np.mean(~model.resting)), "forward_share": forward}
     )
+
+
+def _turned(model: Mechanical) -> list[RecordRemark]:
+    """A drive with the other sign than the motion's: beside it inertia and dry friction would both be less than none, which no load makes of a machine."""
+    target = model.smoother.inner(model.drive_Nm - model.load_Nm - model.added_Nm)
+    moves = model.smoother.inner(~model.resting)
+    columns, target = model.smoother.inner(model.columns)[moves], target[moves]
+    if target.size <= columns.shape[1]:
+        return []
+    found = np.linalg.lstsq(columns, target, rcond=None)[0]
+    parts = np.linalg.norm(columns * found, axis=0) / (float(np.linalg.norm(target)) or 1.0)
+    left = float(np.linalg.norm(target - columns @ found)) / (float(np.linalg.norm(target)) or 1.0)
+    inertia, friction = 0, 2
+    if left > _TURNED_LEAVES or max(found[inertia], found[friction]) >= 0.0 or min(parts[inertia], parts[friction]) < _TURNED_PART:
+        return []
+    text = "the drive has the other sign than the motion: inertia and friction would both be less than none"
+    return [
+        RecordRemark("signs", "blocks", text, "turn the sign of one of the two in the map (sign = -1 at its column), and import it again")
+    ]
 
 
 def one_way(gates: Sequence[RecordValidity]) -> RecordRemark | None:

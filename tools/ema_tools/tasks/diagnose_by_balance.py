@@ -19,7 +19,7 @@ from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.motion_pictures import motion_pictures
 from ema_tools.compare.motion_validity import judge_motion, one_way
 from ema_tools.compare.odd_rows import UNSEEN
-from ema_tools.compare.validity import RecordValidity, judge
+from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.laps import laps_of
@@ -33,6 +33,7 @@ from ema_tools.select.fixes import NONE, Fixes
 from ema_tools.select.force_balance import ForceSearch, improve_by_forces
 from ema_tools.select.force_refit import refit_by_forces
 from ema_tools.select.force_steps import ForceStep, ForceSteps, Tried
+from ema_tools.select.foreign_records import FOREIGN, another_machine, foreign_records
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
@@ -217,8 +218,8 @@ class BalanceAnswer:
 
     @property
     def unseen(self) -> str:
-        """What the drive of a record does above all that its balance can see, in words; empty where nothing shows there."""
-        return next((one.text for gate in self.gates for one in gate.remarks if one.topic == UNSEEN), "")
+        """What the drive of a record does above all that its balance can see, or that a record is another machine's, in words; empty where nothing of either shows."""
+        return next((one.text for gate in self.gates for one in gate.remarks if one.topic in (UNSEEN, FOREIGN)), "")
 
 
 def has_balance(actuator: Actuator, record: AnyRecord) -> bool:
@@ -249,9 +250,12 @@ def gates_of(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence
             mechanical(actuator, record)
         except MissingSignal as error:
             raise InputError(f"{record.file}: no balance of forces: {error}: record the motion and the drive (current_A)") from None
-    if (shown := one_way(gates)) is not None:
-        gates = (replace(gates[0], remarks=(*gates[0].remarks, shown)), *gates[1:])
-    return gates
+    for record in holdout:
+        turned = [one for one in judge_motion(actuator, record).remarks if one.topic == "signs"] if isinstance(record, MotionRecord) else []
+        if turned and turned[0].severity == "blocks":
+            raise InputError(turned[0].of(record.file))
+    shown = one_way(gates)
+    return gates if shown is None else (replace(gates[0], remarks=(*gates[0].remarks, shown)), *gates[1:])
 
 
 def answer_by_balance(
@@ -283,7 +287,7 @@ def answer_by_balance(
         tuple(records),
         tuple(holdout),
         actuator,
-        gates,
+        _with(gates, foreign_records(forces.actuator, (*records, *holdout))),
         there,
         forces,
         compared,
@@ -291,6 +295,11 @@ def answer_by_balance(
         _pictures(forces, records),
         base=(*forces.base, *play_value(actuator, plays_seen(actuator, records))),
     )
+
+
+def _with(gates: tuple[RecordValidity, ...], remarks: Sequence[RecordRemark]) -> tuple[RecordValidity, ...]:
+    """The gates with remarks about all records."""
+    return (replace(gates[0], remarks=(*remarks, *gates[0].remarks)), *gates[1:]) if remarks else gates
 
 
 def _pictures(forces: ForceSteps, records: Sequence[AnyRecord]) -> Pictures | None:
@@ -359,11 +368,12 @@ def answer_against(
     changes = (*told.values, *play_changes(machine, plays, records), *rests, *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
+    odd = [*foreign_records(forces.actuator, (*records, *holdout)), *another_machine(changes)]
     return BalanceAnswer(
         tuple(records),
         tuple(holdout),
         known,
-        gates,
+        _with(gates, odd),
         None,
         forces,
         compared,
