@@ -426,7 +426,7 @@ def diagnose(
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
 
-    record, healthy = record_files(record), record_files(healthy)
+    record, healthy = record_files(record, holdout), record_files(healthy, holdout)
     drawn_to = picture_files(pictures, "diagnose", record[0])
     writable(page, fitted, *drawn_to, json_path=json_path, force=force, inputs=(actuator, *record, *healthy, *filter(None, (holdout,))))
     model = read_actuator(actuator, complete=False)
@@ -457,6 +457,8 @@ def diagnose(
         found.actuator.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
+    if fitted and not kept:
+        complain(f"{fitted} is not written: nothing was found that would better {actuator}")
     draw(pictures, result, record[0], force)
     if by_verdict:
         leave(of_diagnosis(result))
@@ -553,7 +555,7 @@ def add(
     from ema_tools.words.answers.addition import addition, addition_by_balance, setting
     from ema_tools.words.terminal import show
 
-    files, healthy = record_files((*given, *fits)), record_files(healthy)
+    files, healthy = record_files((*given, *fits), holdout), record_files(healthy, holdout)
     writable(out, page, json_path=json_path, force=force, inputs=(actuator, *healthy, *files, *filter(None, (holdout,))))
     model = read_actuator(actuator, complete=False)
     if effect in FAULTS:

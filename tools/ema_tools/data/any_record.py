@@ -17,8 +17,10 @@ _NEEDED = ("command_mm", "position_mm")
 _ENDINGS = (".csv", ".mat", ".parquet", ".pq")
 
 
-def record_files(names: Sequence[str]) -> tuple[str, ...]:
-    """The files that names of files, patterns and folders stand for, those of a pattern or folder in the order of their names. Raises InputError for a pattern or a folder without any."""
+def record_files(names: Sequence[str], held_out: str | None = None) -> tuple[str, ...]:
+    """The files that names of files, patterns and folders stand for, those of a pattern or folder in the order of their names and without the one that is held out. Raises InputError for a
+    pattern or a folder without any."""
+    aside = Path(held_out).resolve() if held_out else None
     found: list[str] = []
     for name in names:
         path = Path(name)
@@ -28,6 +30,8 @@ def record_files(names: Sequence[str]) -> tuple[str, ...]:
             here = sorted(glob.glob(name))
         else:
             here = [name]
+        if here != [name]:
+            here = [one for one in here if Path(one).resolve() != aside]
         if not here:
             raise InputError(f"{name}: no recordings there: files end in {', '.join(_ENDINGS)}")
         found += here

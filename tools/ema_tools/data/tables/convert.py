@@ -21,6 +21,7 @@ from ema_tools.data.tables.table_map import ColumnMap, TableMap
 from ema_tools.data.tables.units import RMS, SHARES, Units, suffix_of
 
 MOMENTS = "datetime"
+_EPOCH_S = 1e7  # no recorder counts a third of a year from its own start [judgement]
 _SLOW = ("temperature_C",)
 _COUNTER_ROWS = 50  # so many rows that rise by exactly one are a counter and no signal [judgement]
 _WRAPS = (65536.0, 4294967296.0)  # counters of 16 and of 32 bits start again at these [layout]
@@ -177,9 +178,12 @@ def _time(table: RawTable, column: RawColumn | None, mapped: TableMap, units: Un
         )
     _check_cells(table, column)
     _same_unit(table, column, "time_s", entry, mapped, units)
-    return np.asarray(
+    found = np.asarray(
         entry.sign * units.converted(entry.scale * column.values + entry.offset, entry.unit, "time_s", where), dtype=np.float64
     )
+    known = found[np.isfinite(found)]
+    # seconds since some epoch are a date, which counts from its first row: as they are they leave no digits for the step
+    return found - known[0] if known.size and abs(float(known[0])) > _EPOCH_S else found
 
 
 def _moments(table: RawTable, column: RawColumn) -> Reals:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.fit.division import By
 from ema_tools.fit.temperature import COPPER_PER_DEGC
@@ -66,13 +67,27 @@ def sentence(found: BalanceAnswer) -> str:
             else f"no effect of the library lowers the error, but nothing could be held out to see it: none of the {parts} has enough motion for itself, so record longer"
         )
         refitted = f", {found.last.training:.2f} % with the base values refitted" if math.isfinite(found.last.training) else ""
-        return f"{found.names}: {said} (force error {given.training:.2f} %{refitted}; {floor})."
+        return f"{found.names}: {said} (force error {given.training:.2f} %{refitted}; {floor}).{_play(found)}"
     last = found.forces.steps[-1].errors
     names = _named(found)
     verb = "are" if len(found.accepted) > 1 else "is"
     return (
         f"{found.names}: {_leads(found)}missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
-        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{_stays(found)}.{_usual(found)}"
+        f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{_stays(found)}.{_usual(found)}{_play(found)}"
+    )
+
+
+def _play(found: BalanceAnswer) -> str:
+    """The play that the records show and nobody stated, which moves no force and so is no effect of the balance."""
+    one = next((one for one in found.base if one.name == PLAY), None)
+    if one is None or not one.by_import:
+        return ""
+    low, high = interval95(one.value, one.std)
+    if low is None or high is None or low <= one.stated:
+        return ""
+    return (
+        f" Motor and rod show a play (BLK) of {significant(one.value, 3)} mm [{significant(low, 3)} .. {significant(high, 3)}], of which the model has"
+        f" {significant(one.stated, 3)}: write {PLAY} = {significant(one.value, 3)} into the actuator's file."
     )
 
 
