@@ -294,6 +294,50 @@ def test_the_command_writes_what_programs_read(tmp_path: Path) -> None:
     assert again.code == 0 and "quadratic_viscous" not in again.out.split("Force error")[0]
 
 
+def test_a_folder_holds_the_record_that_is_held_out_too(tmp_path: Path) -> None:
+    actuator_of("bare motor", 0).write(tmp_path / "machine.toml")
+    for number in range(3):
+        write_motion_record(tmp_path / f"{number}.csv", swept(90.0, number))
+    ran = run_ema("diagnose", tmp_path / "machine.toml", tmp_path, "--holdout", tmp_path / "1.csv", "--json", tmp_path / "d.json")
+    assert ran.code == 0, ran.err
+    result = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))
+    assert (result["holdout"], result["records"]) == (["1.csv"], ["0.csv", "2.csv"])
+
+
+def steady_friction(seed: int, inertia_kgm2: float = 1e-4, level_Nm: float = 0.03, sign: float = 1.0) -> MotionRecord:
+    """A shaft with nothing but inertia and dry friction that swings; `sign`: of its drive as it was recorded."""
+    time, random = np.arange(4000) * 5e-3, np.random.default_rng(seed)
+    speed = 90.0 * np.sin(0.9 * time + seed) * np.sin(0.13 * time)
+    torque = inertia_kgm2 * np.gradient(speed, 5e-3) + level_Nm * np.sign(speed) + random.normal(0.0, 4e-4, time.size)
+    return MotionRecord(5e-3, f"run {seed}").with_columns({"motor_speed_rad_s": speed, "torque_Nm": sign * torque})
+
+
+def test_a_drive_of_the_wrong_sign_blocks_fitted_and_held_out() -> None:
+    machine, turned = actuator_of("bare motor", 0), steady_friction(2, sign=-1.0)
+    assert not [one for one in judge_motion(machine, steady_friction(2)).remarks if one.topic == "signs"]
+    for fitted, held_out in (([turned], None), ([steady_friction(0), steady_friction(1)], turned)):
+        with pytest.raises(InputError, match=r"^run 2: the drive has the other sign than the motion"):
+            diagnosed(machine, fitted, (), held_out)
+
+
+def test_nothing_is_adequate_beside_a_record_of_another_machine() -> None:
+    machine, own = actuator_of("bare motor", 0), [steady_friction(number) for number in range(3)]
+    alone = diagnosed(machine, own[:2], (), own[2])
+    assert isinstance(alone, BalanceAnswer) and (alone.verdict, alone.unseen) == ("adequate", "")
+    another = steady_friction(3, 1e-3, 0.3)
+    for fitted, held_out in ((own, another), ([*own, another], None)):
+        found = diagnosed(machine, fitted, (), held_out)
+        assert isinstance(found, BalanceAnswer)
+        assert found.verdict == "unknown" and "of run 3: it may be another machine's" in found.unseen, found.unseen
+
+
+def test_another_inertia_than_the_healthy_one_is_another_machine() -> None:
+    own = [steady_friction(number) for number in range(5)]
+    found = diagnosed(actuator_of("bare motor", 0), [steady_friction(6, 4e-4)], own)
+    assert isinstance(found, BalanceAnswer)
+    assert any("times that of the healthy records" in one.text for gate in found.gates for one in gate.remarks)
+
+
 def test_a_record_is_not_its_own_healthy_reference() -> None:
     run, another = (chirp_record(reference_actuator(), f"chirp:duration_s={duration_s}") for duration_s in (1, 2))
     with pytest.raises(InputError, match="healthy is the record itself"):

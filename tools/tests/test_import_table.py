@@ -260,6 +260,14 @@ def test_dates_and_times_of_day(tmp_path: Path) -> None:
         assert (record.period_s, record.rows) == (0.005, 400)
 
 
+def test_seconds_since_an_epoch_count_from_the_first_row(tmp_path: Path) -> None:
+    """A record keeps twelve digits of its time: of a date in ms since 1970 none is left for a step of 5 ms."""
+    lines = rows_of(text())
+    content = "\n".join([lines[0], *(f"{1_700_000_000_000 + 5 * k},{line.partition(',')[2]}" for k, line in enumerate(lines[1:]))])
+    record = read_motion_record(imported(tmp_path, "a.csv", content) / "a.csv")
+    assert (record.period_s, record.rows, record.first_time_s) == (0.005, 400, 0.0)
+
+
 def test_a_wrapped_angle_is_counted_on(tmp_path: Path) -> None:
     time_s, speed, torque = run()
     angle = np.cumsum(speed) * 0.005

@@ -17,6 +17,7 @@ from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord
 from ema_tools.select.play_changes import play_changes, play_seen, play_value, plays_seen
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
+from ema_tools.words.sentences.balance import sentence
 
 PERIOD_S, NOISE_MM = 0.002, 0.002
 MM_PER_RAD = 0.8
@@ -221,3 +222,9 @@ def test_only_a_play_that_has_grown_is_a_change_by_the_speed(sheet: Actuator, wi
     grown = changed(sheet, width, width + 0.056, 100, rpm=rpm, by_load=by_load)
     assert grown is not None and grown.counts
     assert abs(grown.today - grown.healthy - 0.056) < WIDTH_95 * grown.std
+
+
+def test_a_play_that_nobody_stated_is_said_with_the_verdict(sheet: Actuator) -> None:
+    said = [sentence(answer_by_balance(sheet, [record(seed, width) for seed in range(2)])) for width in (0.12, 0.0)]
+    assert "show a play (BLK) of 0.12 mm" in said[0] and "write screw.blk_mm = 0.12" in said[0], said[0]
+    assert "BLK" not in said[1], said[1]

@@ -71,8 +71,11 @@ def sentence(found: BalanceAnswer) -> str:
     last = found.forces.steps[-1].errors
     names = _named(found)
     verb = "are" if len(found.accepted) > 1 else "is"
+    # of all rows the model as given may err less than one that is fitted to those that slide
+    first = found.forces.refitted.holdout
+    beside = f" ({percent(first)} with the base values refitted)" if first > last.holdout > given.holdout else ""
     return (
-        f"{found.names}: {_leads(found)}missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before,"
+        f"{found.names}: {_leads(found)}missing {verb} {names}: force error {percent(given.training)} on the {parts} fitted and {percent(given.holdout)} on the {parts} held out before{beside},"
         f" {percent(last.training)} and {percent(last.holdout)} after; {floor}{_stays(found)}.{_usual(found)}{_play(found)}"
     )
 
