@@ -200,9 +200,11 @@ class BalanceAnswer:
 
     @property
     def untellable(self) -> bool:
-        """Whether so much is left that it is no model's word, and nothing but an estimate says that it is chance: what is missing may be as irregular."""
-        alone = self.healthy is None and self.floor_from != "laps"
-        return alone and not self._beyond_floor and self.forces.refitted.training > _TELLS
+        """Whether so much is left that it is no model's word, and nothing but an estimate says that it is chance: what is missing may be as irregular. Laps that differ by more than the model
+        errs say it no more: what drifts from lap to lap is in their floor."""
+        before = self.forces.refitted.training
+        by_laps = self.floor_from == "laps" and self.floor_percent <= before
+        return self.healthy is None and not by_laps and not self._beyond_floor and before > _TELLS
 
     @property
     def untold(self) -> bool:
