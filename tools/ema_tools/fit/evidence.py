@@ -6,6 +6,7 @@ not as free parameters, so that a change of the same parameter beyond it can sti
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -109,7 +110,8 @@ class Evidence:
     """A record against what is known. `target` [channels, rows]: what the model should show; `actuator`: the model that is known so far; `spread`: what of it moves.
 
     `repeats`: the same for each healthy repeat against the others, what a record with nothing new looks like; empty without repeats. `floor`: without repeats, the
-    cost that sensor noise alone has. `counting`: with repeats, the cost that counts of the sensors may add on another way than theirs.
+    cost that sensor noise alone has. `counting`: with repeats, the cost that counts of the sensors may add on another way than theirs;
+    `freedom`: with repeats, the degrees of freedom to which these and the usual tell how far `spread` scatters.
     `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
     of 1 each, such as the zero of a sensor.
     """
@@ -126,6 +128,7 @@ class Evidence:
     repeats: tuple[Reals, ...] = ()
     floor: float = 0.0
     counting: float = 0.0
+    freedom: float = math.inf
 
     @property
     def relative(self) -> bool:

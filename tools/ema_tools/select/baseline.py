@@ -188,6 +188,7 @@ def against_known(known: Actuator, record: Record, healthy: Sequence[Record], ch
         start,
         repeats,
         counting=_counting(np.array([resolution(record.recorded(name)) for name in channels]), power, whiten),
+        freedom=_USUAL_WEIGHT + count - 1.0,
     )
 
 

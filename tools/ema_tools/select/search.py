@@ -186,6 +186,10 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         fits = _without_needless(fits, held, partial(strategy.needed, (), place + 1), strategy.floor)
         scores = {name: score for name, score in scores.items() if name not in slight}
         limits = {fit.effects[0]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
+        for fit in fits:
+            chance = strategy.least_by_chance(effect := _newest(fit, held))
+            if chance > limits.get(effect, least):
+                limits[effect] = chance
         rounds.append(Round(scores, fits, limits))
         shown = [(fit, limits.get(effect, least)) for fit in fits if fit.shown(effect := _newest(fit, held)) >= _SHOWN]
         enough = [(fit, must) for fit, must in shown if cost - fit.judged >= must]

@@ -90,6 +90,10 @@ class Strategy(ABC):
         """What an effect of `confounded` must take off, where others must take off `least`."""
         return least
 
+    def least_by_chance(self, _effect: str) -> float:
+        """What an effect must take off at least where it does the same as something that scatters by a width which is itself known from few runs."""
+        return 0.0
+
     def needed(self, found: Sequence[Signature], place: int, cost: float) -> float:
         """What an effect must take off in the round `place`, at the present cost."""
         rest = cost - self.floor if cost - self.floor > self.noise else np.inf

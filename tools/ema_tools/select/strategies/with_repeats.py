@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy import special
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
@@ -13,11 +14,15 @@ from ema_tools.fit.confounded import confounded_fits
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, raw_cost, settled
 from ema_tools.fit.refit import Fit, best_of_each, joint, polished, refit, shares_left
 from ema_tools.library.faults import FAULTS
+from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, begun_with, polished_near
 
 _REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
+_BY_CHANCE = (
+    1e-4  # of what scatters, to either side, that is taken for a change: of a record's few such values one in a thousand records [chance]
+)
 _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
 _FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
 _WORN_START = 1.3  # where both faults are fitted first: where they begin, in healthy values .. [judgement]
@@ -72,6 +77,13 @@ class WithRepeats(Strategy):
         far = settled(self.evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
         fits = [fit for fit in confounded_fits(far) if fit.cost < self.before]
         return [fit for fit in fits if np.max(np.abs(fit.view.deviations), initial=0.0) < _RUNS_AWAY]
+
+    def least_by_chance(self, effect: str) -> float:
+        """How far a value goes that scatters by a width of which these repeats, and the usual, tell: by Student's factor, and not at all where its width is stated."""
+        own = FAULTS[effect] if effect in FAULTS else getattr(record_of(effect).confounded, "parameter", "")
+        if not any(own in one.names for one in self.evidence.spread) or own in self.evidence.actuator.scatter:
+            return 0.0
+        return float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2)
 
     def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
