@@ -240,7 +240,7 @@ def test_empty_cells_are_no_rate_of_their_own(tmp_path: Path) -> None:
     assert record.period_s == 0.005
     kept = np.delete(np.arange(record.rows), (6, 7, 39))
     np.testing.assert_allclose(record.recorded("torque_Nm")[kept], run()[2][kept], atol=1e-9)
-    assert said_of(tmp_path) == ["3 cells of torque_Nm are empty, the first in row 8: filled by straight lines"]
+    assert said_of(tmp_path) == ["3 of torque_Nm's cells hold no number, the first in row 8: filled by straight lines"]
 
 
 def test_dates_and_times_of_day(tmp_path: Path) -> None:
