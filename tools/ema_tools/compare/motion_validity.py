@@ -66,7 +66,7 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
             RecordRemark("signals", "blocks", "the drive is zero throughout", "look which column holds the torque, force or current")
         )
     else:
-        remarks += [*_turned(model), *odd_rows(record), *swings_unseen(record, model, smoothed)]
+        remarks += [*turned(model), *odd_rows(record), *swings_unseen(record, model, smoothed)]
     low, high = np.quantile(speed, (_A_TENTH, 1.0 - _A_TENTH))
     if low < 0.0 < high and min(-low, high) > _A_TENTH * float(np.max(np.abs(speed))) and np.ptp(drive) > 0.0:
         alike = float(np.corrcoef(drive, speed)[0, 1])
@@ -84,7 +84,7 @@ def judge_motion(actuator: Actuator, record: MotionRecord) -> RecordValidity:
     )
 
 
-def _turned(model: Mechanical) -> list[RecordRemark]:
+def turned(model: Mechanical) -> list[RecordRemark]:
     """A drive with the other sign than the motion's: beside it inertia and dry friction would both be less than none, which no load makes of a machine."""
     target = model.smoother.inner(model.drive_Nm - model.load_Nm - model.added_Nm)
     moves = model.smoother.inner(~model.resting)
@@ -92,8 +92,9 @@ def _turned(model: Mechanical) -> list[RecordRemark]:
     if target.size <= columns.shape[1]:
         return []
     found = np.linalg.lstsq(columns, target, rcond=None)[0]
-    parts = np.linalg.norm(columns * found, axis=0) / (float(np.linalg.norm(target)) or 1.0)
-    left = float(np.linalg.norm(target - columns @ found)) / (float(np.linalg.norm(target)) or 1.0)
+    whole = float(np.linalg.norm(target)) or 1.0
+    parts = np.linalg.norm(columns * found, axis=0) / whole
+    left = float(np.linalg.norm(target - columns @ found)) / whole
     inertia, friction = 0, 2
     if left > _TURNED_LEAVES or max(found[inertia], found[friction]) >= 0.0 or min(parts[inertia], parts[friction]) < _TURNED_PART:
         return []

@@ -11,13 +11,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical
+from ema_tools.balances.mechanical import MECHANICAL_PARAMETERS, mechanical, mechanical_model
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.progress import Report, untold
 from ema_tools.compare.friction_map import MeasuredBump, measured_bump
 from ema_tools.compare.localisation import Where, where
 from ema_tools.compare.motion_pictures import motion_pictures
-from ema_tools.compare.motion_validity import judge_motion, one_way
+from ema_tools.compare.motion_validity import judge_motion, one_way, turned
 from ema_tools.compare.odd_rows import UNSEEN
 from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
@@ -253,9 +253,8 @@ def gates_of(actuator: Actuator, records: Sequence[AnyRecord], holdout: Sequence
         except MissingSignal as error:
             raise InputError(f"{record.file}: no balance of forces: {error}: record the motion and the drive (current_A)") from None
     for record in holdout:
-        turned = [one for one in judge_motion(actuator, record).remarks if one.topic == "signs"] if isinstance(record, MotionRecord) else []
-        if turned and turned[0].severity == "blocks":
-            raise InputError(turned[0].of(record.file))
+        if isinstance(record, MotionRecord) and (remarks := turned(mechanical_model(actuator, record))):
+            raise InputError(remarks[0].of(record.file))
     shown = one_way(gates)
     return gates if shown is None else (replace(gates[0], remarks=(*gates[0].remarks, shown)), *gates[1:])
 

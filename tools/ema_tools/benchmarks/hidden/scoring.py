@@ -142,6 +142,11 @@ def _at_least(text: str, reached: Share, percent: float, beside: str = "") -> Go
     return Goal(text, str(reached), f">= {percent:g} %", reached.percent >= percent, beside)
 
 
+def _accused(text: str, rows: Sequence[Row]) -> Goal:
+    wrong = share_of(rows, accused)
+    return Goal(text, str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total)
+
+
 def _gap(text: str, rows: Sequence[Row]) -> Goal:
     gap = observed(rows).percent - share_of(rows, first_right).percent
     return Goal(f"gap to the ideal observer, {text}", f"{gap:.1f}", "<= 3 percentage points", gap <= 3.0)
@@ -180,8 +185,7 @@ def goals(rows: Sequence[Row]) -> list[Goal]:
     for kind, text in zip(HEALTHY, ("healthy records accused", "healthy machines accused without healthy repeats"), strict=True):
         some = of_kind(rows, kind)
         if some:
-            wrong = share_of(some, accused)
-            found.append(Goal(text, str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total))
+            found.append(_accused(text, some))
     found += _unlike(rows)
     some = of_kind(rows, "outside", *STRONG)
     if some:
@@ -241,8 +245,7 @@ def _unlike(rows: Sequence[Row]) -> list[Goal]:
             found.append(Goal(f"{text}: a wrong one accepted", str(wrong), "<= 1 %", wrong.percent <= 1.0))
         healthy = [row for row in some if not row["effects"]]
         if healthy:
-            wrong = share_of(healthy, accused)
-            found.append(Goal(f"{text}: healthy accused", str(wrong), "<= 1 of 200", 200 * wrong.count <= wrong.total))
+            found.append(_accused(f"{text}: healthy accused", healthy))
     return found
 
 
