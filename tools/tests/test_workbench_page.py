@@ -182,7 +182,9 @@ def test_a_slider_redraws_at_once(opened: Bench) -> None:
     state = opened.state()
     assert state["redraws"] > 40
     assert state["median_ms"] <= _REDRAW_MS
-    assert f"redrawn in {state['median_ms']:.0f} ms" in opened.page.locator(".bench-head .note").inner_text()
+    told = re.search(r"redrawn in (\d+) ms", opened.page.locator(".bench-head .note").inner_text())
+    # Half a millisecond is rounded up on the page and to even here.
+    assert told and abs(int(told.group(1)) - state["median_ms"]) <= 0.5
 
 
 def _settings(state: dict[str, Any]) -> tuple[SearchSettings, list[float]]:
