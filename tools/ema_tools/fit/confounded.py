@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.evidence import FAR, View, settled, view
@@ -37,15 +38,19 @@ def _confounded_with(parameter: str) -> dict[str, ConfoundedParameter]:
     }
 
 
-def confounded_fits(free: View) -> list[Fit]:
-    """Per such effect the fit in which it takes over from the parameter, seen from `free`, where the machine itself explains most."""
+def confounded_fits(free: View, held: Fit | None = None) -> list[Fit]:
+    """Per such effect the fit in which it takes over from the parameter, seen from `free`, where the machine itself explains most; beside effects that are `held` as they are, which the view
+    holds too."""
     evidence = free.evidence
+    fitted = {name: held.values[name] for name in held.fitted} if held is not None else {}
+    kept = {name: value for name, value in held.values.items() if name not in fitted} if held is not None else {}
+    effects = held.effects if held is not None else ()
     found = []
     for place, one in enumerate(evidence.spread):
         known = {
             name: parameter
             for name, parameter in _confounded_with(one.title).items()
-            if effect_of(name) not in evidence.actuator.active_effects
+            if effect_of(name) not in (*evidence.actuator.active_effects, *effects)
         }
         if not known:
             continue
@@ -54,7 +59,7 @@ def confounded_fits(free: View) -> list[Fit]:
         start = free.deviations.copy()
         start[place] /= _LOOSE
         seen = settled(
-            replace(evidence, spread=tuple(loose if other is one else other for other in evidence.spread)), {}, start, _ROUNDS, FAR
+            replace(evidence, spread=tuple(loose if other is one else other for other in evidence.spread)), free.values, start, _ROUNDS, FAR
         )
         change = loose.std * float(seen.deviations[place])
         for name, parameter in known.items():
@@ -63,10 +68,11 @@ def confounded_fits(free: View) -> list[Fit]:
                 continue
             at = seen.deviations.copy()
             at[place] = 0.0
-            values = {name: size}
+            values = {**fitted, name: size, **kept}
             # a relative spread is one of the value with the effect in it
             std = parameter.size_per_change * float(
                 np.hypot(one.std * (1.0 + change if one.relative else 1.0), loose.std * seen.doubt(place))
             )
-            found.append(Fit((effect_of(name),), values, np.array([[std**2]]), (), view(evidence, values, at), seen.cost))
+            covariance = block_diag(held.covariance, np.array([[std**2]])) if held is not None else np.array([[std**2]])
+            found.append(Fit((*effects, effect_of(name)), values, covariance, (), view(evidence, values, at), seen.cost))
     return found

@@ -113,7 +113,7 @@ class Evidence:
     cost that sensor noise alone has. `counting`: with repeats, the cost that counts of the sensors may add on another way than theirs;
     `freedom`: with repeats, the degrees of freedom to which these and the usual tell how far `spread` scatters.
     `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
-    of 1 each, such as the zero of a sensor.
+    of 1 each, such as the zero of a sensor; `granted`: effects that every machine has a little of and that are among them.
     """
 
     actuator: Actuator
@@ -129,6 +129,7 @@ class Evidence:
     floor: float = 0.0
     counting: float = 0.0
     freedom: float = math.inf
+    granted: tuple[str, ...] = ()
 
     @property
     def relative(self) -> bool:

@@ -177,6 +177,12 @@ def slight() -> list[dict[str, float]]:
     return [{f"effects.{effect}.{field}": value for field, value in values.items()} for effect, values in free]
 
 
+def is_free(effect: str) -> bool:
+    """Whether a little of an effect is free in a unit that is known by its data sheet alone."""
+    record = record_of(effect).slight
+    return record is not None and bool(record.free)
+
+
 def is_slight(actuator: Actuator, name: str, size: float) -> bool:
     """Whether a size is what every machine has of an effect; `name`: of a value, of which only sizes count."""
     one = record_of(effect_of(name)).slight

@@ -258,6 +258,16 @@ def gather(
     if healthy:
         _check_repeats(record, healthy)
         return _against_repeats(actuator, record, healthy, names, report)
+    return _of_data_sheet(actuator, record, names, ())
+
+
+def granting(evidence: Evidence, effects: Sequence[str]) -> Evidence:
+    """Evidence without repeats again, with `effects` granted: a search that had them to name has found them as slight as on every machine."""
+    return _of_data_sheet(evidence.actuator, evidence.record, evidence.channels, effects)
+
+
+def _of_data_sheet(actuator: Actuator, record: Record, names: tuple[str, ...], granted: Sequence[str]) -> Evidence:
+    """Evidence of a unit that is known by its data sheet alone, with the `granted` effects and those that a first look finds slight among what every machine has."""
     measured = measured_channels(record, names)
     start = start_of(actuator, record)
     noise = np.array([white_noise(signal) for signal in measured])
@@ -279,6 +289,7 @@ def gather(
             additive,
             start,
             floor=floor,
+            granted=tuple(dict.fromkeys(map(_effect_of, wanted))),
         )
 
     # what a slight effect makes hangs on the unit's friction: first as the data sheet has it, then as the record shows it
@@ -286,4 +297,5 @@ def gather(
     first = with_slight(actuator, slight)
     deviations = settled(first, {}, settled(first, {}).deviations, rounds=FAR_ROUNDS, reach=FAR).deviations
     unit = actuator.changed(spreads.moved(actuator, first.spread, deviations))
-    return with_slight(unit, _still_slight(slight, deviations[deviations.size - len(slight) :]))
+    kept = {_effect_of(changes) for changes in _still_slight(slight, deviations[deviations.size - len(slight) :])} | set(granted)
+    return with_slight(unit, [changes for changes in slight if _effect_of(changes) in kept])

@@ -18,9 +18,8 @@ from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis, Named, Path, Round
 from ema_tools.select.strategies import strategy_for
 from ema_tools.select.strategies.healthy_machine import HealthyMachine
-from ema_tools.select.strategies.strategy import Strategy, begun_with
+from ema_tools.select.strategies.strategy import ALIKE, Strategy, begun_with
 
-_ALIKE = 9.0  # fits whose costs differ by less than this cannot be told apart: three standard deviations [chance]
 # A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another
 # effect [chance]
 _SHOWN = 2.0
@@ -97,7 +96,7 @@ def _with_special_cases(fits: tuple[Fit, ...], held: Sequence[str], first: str) 
     asked = []
     for effect, fit in newest.items():
         special = newest.get(record_of(effect).special_case)
-        if effect == first if special is None else special.judged - fit.judged > _ALIKE:
+        if effect == first if special is None else special.judged - fit.judged > ALIKE:
             asked.append((fit, effect))
     cases = each(lambda one: _as_special_case(*one), asked)
     return best_of_each([*fits, *(case for case in cases if case is not None)])
@@ -128,7 +127,7 @@ def _in_special_cases(path: Path, strategy: Strategy) -> Path:
         special = _as_special_case(path.steps[-1], effect)
         if special is None or len(special.effects) < len(path.steps[-1].effects):
             continue
-        special = strategy.refined((special,), (), False, strategy.before)[0]
+        special = strategy.refined((special,), (), strategy.before)[0]
         if special.judged - path.steps[-1].judged < strategy.needed((), len(path.rounds), special.cost):
             path = begun_with(special, path)
     return path
@@ -171,8 +170,8 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         found = strategy.kept(found)
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
-        confounded = strategy.confounded() if not rounds else []
-        apart = {fit.effects[0] for fit in confounded}
+        confounded = strategy.confounded(steps[-1] if steps else None)
+        apart = {fit.effects[-1] for fit in confounded}
         worth = not rounds or max(scores.values(), default=0.0) > _WORTH_REFITS * least
         finalists = _finalists([one for one in found if one.candidate.effect not in apart], strategy) if worth else []
         values = dict(steps[-1].values) if steps else {}
@@ -180,12 +179,12 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         def refitted(one: Signature, values: Mapping[str, float] = values, seen: View | None = here if rounds else None) -> Fit:
             return refit(seen or one.view, joined(values, one.start()))
 
-        fits = strategy.refined(best_of_each(each(refitted, finalists)), confounded, not rounds, cost)
+        fits = strategy.refined(best_of_each(each(refitted, finalists)), confounded, cost)
         slight = {effect for fit in fits if strategy.is_slight(fit, effect := _newest(fit, held))}
         fits = tuple(fit for fit in fits if _newest(fit, held) not in slight)
-        fits = _without_needless(fits, held, partial(strategy.needed, (), place + 1), strategy.floor)
+        fits = strategy.in_order(_without_needless(fits, held, partial(strategy.needed, (), place + 1), strategy.floor))
         scores = {name: score for name, score in scores.items() if name not in slight}
-        limits = {fit.effects[0]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
+        limits = {fit.effects[-1]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
         for fit in fits:
             chance = strategy.least_by_chance(effect := _newest(fit, held))
             if chance > limits.get(effect, least):
@@ -268,7 +267,7 @@ def _named(
     """Accepted effects in the order in which they came, then the others by what they would take off alone against what they must."""
     found: list[Named] = []
     accepted = best.effects if best is not None else ()
-    tolerance = max(_ALIKE, doubt)
+    tolerance = max(ALIKE, doubt)
     for effect in accepted:
         place = next(k for k, step in enumerate(steps) if effect in step.effects)
         fits = rounds[place].fits

@@ -15,9 +15,9 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, settled
-from ema_tools.fit.nuisance import FROM_DATA_SHEET, moved
+from ema_tools.fit.nuisance import FROM_DATA_SHEET, is_free, is_slight, moved
 from ema_tools.library.faults import FAULTS, effect_of
-from ema_tools.select.baseline import gather, same_command
+from ema_tools.select.baseline import gather, granting, same_command
 from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
@@ -204,6 +204,20 @@ _AS_ASKED = RecordRemark(
 )
 
 
+def _searched(evidence: Evidence, report: Report) -> tuple[Evidence, Diagnosis]:
+    """The search, and the evidence that it rests on: what it finds as slight as on every machine is granted, and it goes once more."""
+    found = diagnose(evidence, report)
+    actuator, fit = evidence.actuator, found.fit
+    if evidence.relative or fit is None:
+        return evidence, found
+    released = [effect for effect in fit.effects if is_free(effect) and effect not in evidence.granted]
+    slight = [effect for effect in released if any(is_slight(actuator, name, value) for name, value in fit.of_effect(effect).items())]
+    if not slight:
+        return evidence, found
+    again = granting(evidence, slight)
+    return again, diagnose(again, report)
+
+
 def _without_contradiction(evidence: Evidence) -> tuple[Evidence, Diagnosis] | None:
     """What the other signals say where the recorded voltage keeps all of them from saying anything; None where that is no more."""
     others = without_voltage(evidence)
@@ -240,7 +254,7 @@ def answer(
         beside(lambda: state_doubt(evidence, same)) as doubted,
         beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located,
     ):
-        found = diagnose(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+        evidence, found = _searched(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
     doubt = doubted.result()
     if doubt:
         gate = replace(

@@ -286,6 +286,21 @@ def _settings(rows: Sequence[Row]) -> str:
         + table(("in what", "severity", *_COUNTED), cells, len(_COUNTED))
         + "\nNothing hidden:\n\n"
         + table(("in what", "accused", "unknown", "refused"), healthy, 3)
+        + _of_units(rows)
+    )
+
+
+def _of_units(rows: Sequence[Row]) -> str:
+    """What no one who knows one record alone can name."""
+    hidden = [row for kind in ("twice", "half") for row in of_kind(rows, kind, *scoring.STRONG) if row["effects"] and not row["repeats"]]
+    within = [row for row in hidden if scoring.of_units(row)]
+    if not within:
+        return ""
+    return (
+        f"\nWithout healthy runs {len(within)} of the {len(hidden)} hidden changes do what a value of the machine does (a weaker magnet, a larger inertia) and go no farther than {scoring.OF_UNITS:g} standard"
+        " deviations of what units differ by themselves, as they are drawn or as is assumed, whichever is more. Whoever is not told how wide units are cannot accept these without accusing more than one of 200"
+        f" healthy units; of these the right one is accepted in {share_of(within, scoring.all_named)}, of the others in {share_of([row for row in hidden if not scoring.of_units(row)], scoring.all_named)}."
+        " Healthy runs of the unit tell it, as the rows with them show. The ideal observer beside them knows how wide the units of each setting are.\n"
     )
 
 

@@ -98,6 +98,15 @@ SETTINGS: Mapping[str, MachineSetting] = {
         at_terminals=True,
     ),
 }
+
+
+def width_of_units(parameter: str, setting: str) -> float:
+    """Standard deviation by which the machines of a setting differ from their data sheet in a parameter, or, where that is more, by which the search takes them to."""
+    chosen = SETTINGS[setting]
+    widths = [of.get(parameter, 0.0) for of in (chosen.standing, ASSUMED_STANDING)]
+    return max([*widths, *(std for of in (chosen.units, ASSUMED) for names, std in of.items() if parameter in names)])
+
+
 COMMANDS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "chirp": ("chirp", {"amplitude_mm": 2.0, "start_hz": 0.1, "end_hz": 4.0, "duration_s": 10.0}),
     "fast chirp": ("chirp", {"amplitude_mm": 1.2, "start_hz": 0.2, "end_hz": 6.0, "duration_s": 10.0}),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import click
@@ -13,7 +14,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.files import write_text
 from ema_tools.benchmarks.lives.document import Found, Still, document
-from ema_tools.benchmarks.lives.histories import KINDS, LIMIT, LONG, readings, wear_of
+from ema_tools.benchmarks.lives.histories import GOALS, KINDS, LIMIT, LONG, MILDER, Draw, readings, wear_of
 from ema_tools.benchmarks.lives.ideal import ideal
 from ema_tools.benchmarks.lives.others import OTHER_KINDS, other_wear
 from ema_tools.benchmarks.lives.scores import Asked, Said
@@ -48,11 +49,15 @@ class _Unit:
 
 
 def _unit(
-    seed: int, kinds: Sequence[str], wear: Callable[[str, np.random.Generator], tuple[Reals, Reals, float]], random: np.random.Generator
+    seed: int,
+    kinds: Sequence[str],
+    wear: Callable[[str, np.random.Generator], tuple[Reals, Reals, float]],
+    random: np.random.Generator,
+    draw: Draw = GOALS,
 ) -> _Unit:
     kind = kinds[seed % len(kinds)]
     days, worn, end = wear(kind, random)
-    at, read, std = readings(days, worn, end, random)
+    at, read, std = readings(days, worn, end, random, draw)
     counts = [(share, int(np.sum(at <= share * end))) for share in _SHARES]
     return _Unit(seed, kind, at, read, std, end, tuple(one for one in counts if one[1] > 0))
 
@@ -76,6 +81,12 @@ def observed(seed: int) -> Found:
     both = list(zip(looks, told, strict=True))
     said = [unit.asked(place, one.said) for place, one in both]
     return Found([], [], said, [unit.asked(place, Said(one.sharpest, one.said.low, one.said.high)) for place, one in both])
+
+
+def milder(name: str, seed: int) -> list[Asked]:
+    """What firmware says of the same unit drawn otherwise, by a name of MILDER."""
+    draw = MILDER[name]
+    return _onboard(_unit(seed, KINDS, lambda kind, random: wear_of(kind, random, draw), np.random.default_rng(seed), draw))
 
 
 def other(seed: int) -> list[Asked]:
@@ -127,9 +138,10 @@ def main(histories: int, ideals: int | None, out: Path | None) -> None:
     """Foretell the remaining life of units whose wear is known, and say how often it was right."""
     found = Found([], [], [], [])
     others: list[Asked] = []
+    milder_ones: dict[str, list[Asked]] = {name: [] for name in MILDER}
     alarms: list[Still] = []
     ideals = min(histories, ideals if ideals is not None else max(4, histories // 4))
-    with ProcessPoolExecutor() as pool, progress("histories", 3 * histories + ideals) as bar:
+    with ProcessPoolExecutor() as pool, progress("histories", (3 + len(MILDER)) * histories + ideals) as bar:
         done = 0
         for work, count in ((history, histories), (observed, ideals)):
             for one in pool.map(work, range(count)):
@@ -138,10 +150,14 @@ def main(histories: int, ideals: int | None, out: Path | None) -> None:
         for asked in pool.map(other, range(histories), chunksize=16):
             others += asked
             bar.update(done := done + 1)
+        for name, some in milder_ones.items():
+            for asked in pool.map(partial(milder, name), range(histories), chunksize=16):
+                some.extend(asked)
+                bar.update(done := done + 1)
         for alarm in pool.map(still, range(histories), chunksize=16):
             alarms.append(alarm)
             bar.update(done := done + 1)
-    text = document(found, others, alarms, histories, ideals)
+    text = document(found, others, milder_ones, alarms, histories, ideals)
     if out is None:
         click.echo(text)
     else:

@@ -8,6 +8,8 @@ that do not wear are drawn beside them.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,7 +30,29 @@ GREASES = (1.0, 4.0)  # % by which it falls [judgement]
 FADES = (20.0, 80.0)  # days in which [judgement]
 
 
-def wear_of(kind: str, random: np.random.Generator) -> tuple[Reals, Reals, float]:
+@dataclass(frozen=True)
+class Draw:
+    """What of the drawing the accuracy may hang on: jumps to the limit, stalls, and the readings' scatter and number, as multiples."""
+
+    jumps: tuple[int, int] = JUMPS
+    stalls: tuple[float, float] = STALLS
+    scatter: float = 1.0
+    often: float = 1.0
+
+
+GOALS = Draw()  # what the goals are stated for
+# The same with one thing milder, and with all of it [judgement]
+MILDER: Mapping[str, Draw] = {
+    "as above": GOALS,
+    "readings that scatter a third as far": Draw(scatter=1.0 / 3.0),
+    "readings three times as often": Draw(often=3.0),
+    "20 to 79 jumps to the limit instead of 5 to 19": Draw(jumps=(20, 80)),
+    "stalls of a tenth to three tenths of the length": Draw(stalls=(0.1, 0.3)),
+    "a third of the scatter, more jumps and shorter stalls": Draw((20, 80), (0.1, 0.3), 1.0 / 3.0),
+}
+
+
+def wear_of(kind: str, random: np.random.Generator, draw: Draw = GOALS) -> tuple[Reals, Reals, float]:
     """Days, wear in % and the day on which the limit is reached."""
     days = np.arange(0.0, LONG, 1.0)
     onset, length = random.uniform(*ONSETS), random.uniform(*LENGTHS)
@@ -38,9 +62,9 @@ def wear_of(kind: str, random: np.random.Generator) -> tuple[Reals, Reals, float
     elif kind == "feeding on itself":
         wear = _feeding(gone, length, random.uniform(*POWERS))
     elif kind == "jumps":
-        wear = _jumps(days, onset, length, random)
+        wear = _jumps(days, onset, length, draw.jumps, random)
     else:
-        wear = _stalls(gone, length, random)
+        wear = _stalls(gone, length, draw.stalls, random)
     if random.random() < GREASED:
         wear = wear - random.uniform(*GREASES) * -np.expm1(-days / random.uniform(*FADES))
     return days, wear, float(days[int(np.argmax(wear >= LIMIT))])
@@ -54,32 +78,32 @@ def _feeding(gone: Reals, length: float, exponent: float) -> Reals:
     return np.interp(gone, time * length / np.interp(LIMIT, wear, time), wear)
 
 
-def _jumps(days: Reals, onset: float, length: float, random: np.random.Generator) -> Reals:
+def _jumps(days: Reals, onset: float, length: float, to_limit: tuple[int, int], random: np.random.Generator) -> Reals:
     """Jumps at random times, as many as make the limit in about `length` days, of sizes that vary by their own mean."""
-    jumps = int(random.integers(*JUMPS))
+    jumps = int(random.integers(*to_limit))
     count = int(4 * jumps * LONG / length)
     at = onset + np.cumsum(random.exponential(length / jumps, count))
     size = random.gamma(2.0, 0.5 * LIMIT / jumps, count)
     return np.concatenate([[0.0], np.cumsum(size)])[np.searchsorted(at, days, side="right")]
 
 
-def _stalls(gone: Reals, length: float, random: np.random.Generator) -> Reals:
+def _stalls(gone: Reals, length: float, stalls: tuple[float, float], random: np.random.Generator) -> Reals:
     """Even wear that stops once or twice for a while."""
     going = np.ones_like(gone)
     for _ in range(int(random.integers(1, 3))):
-        start, lasts = random.uniform(*STALLS) * length, random.uniform(*STALLS) * length
+        start, lasts = random.uniform(*stalls) * length, random.uniform(*stalls) * length
         going[(gone > start) & (gone < start + lasts)] = 0.0
     return LIMIT / length * np.cumsum(going * (gone > 0.0))
 
 
-def readings(days: Reals, wear: Reals, until: float, random: np.random.Generator) -> tuple[Reals, Reals, Reals]:
+def readings(days: Reals, wear: Reals, until: float, random: np.random.Generator, draw: Draw = GOALS) -> tuple[Reals, Reals, Reals]:
     """Days, readings in % and the standard errors that are stated, with missing flights in runs."""
-    at = np.cumsum(random.gamma(2.0, 0.5 * random.uniform(6.0, 25.0), 4000))
+    at = np.cumsum(random.gamma(2.0, 0.5 / draw.often * random.uniform(6.0, 25.0), int(4000 * draw.often)))
     kept = np.ones(at.size, dtype=bool)
     for _ in range(int(random.integers(0, 4))):
         start = int(random.integers(0, 60))
         kept[start : start + int(random.integers(2, 10))] = False
     at = at[kept & (at <= until)]
-    std = random.uniform(0.4, 1.5)
+    std = draw.scatter * random.uniform(0.4, 1.5)
     scatter = UNDERSTATED * std * random.standard_t(4, at.size) / math.sqrt(2.0)
     return at, np.interp(at, days, wear) + scatter, np.full(at.size, std)

@@ -55,6 +55,6 @@ class HealthyMachine(Strategy):
             return False
         return fit.values[f"effects.{effect}.{local.spot}"] > WIDEST_SPOT * float(np.ptp(self.evidence.record.command_mm))
 
-    def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
+    def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
         return polished_near(fits, _POLISH_ROUNDS, self.limits)

@@ -18,6 +18,7 @@ from ema_tools.select.outcome import Path
 # Textbook chi-square limits are several times too low: the plant is not smooth, the noise is estimated, and the best of many shapes is
 # taken [chance]
 LEAST_LIMIT = 30.0
+ALIKE = 9.0  # fits whose costs differ by less than this cannot be told apart: three standard deviations [chance]
 _LEAST_SHARE = 0.02  # an effect must also take off this share of the excess that was found .. [judgement]
 _MOST_OF_REST = 0.5  # ... or this share of what is left, where more is left than noise can leave .. [judgement]
 _NOISE = 6.0  # ... which is so many standard deviations of the cost [chance]
@@ -82,8 +83,8 @@ class Strategy(ABC):
         """Whether an effect of a fit is no larger than what every machine has."""
         return False
 
-    def confounded(self) -> list[Fit]:
-        """Fits of effects that do exactly what a parameter does, sized apart."""
+    def confounded(self, _held: Fit | None) -> list[Fit]:
+        """Fits of effects that do exactly what a parameter does, sized apart, beside what is `held`."""
         return []
 
     def least_of_confounded(self, _fit: Fit, least: float, _cost: float) -> float:
@@ -107,8 +108,12 @@ class Strategy(ABC):
         """The limit in the round `place`, in the misfit that is left there."""
 
     @abstractmethod
-    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], first: bool, cost: float) -> tuple[Fit, ...]:
+    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], cost: float) -> tuple[Fit, ...]:
         """The fits of a round made better, those that are near enough to the best to be worth it."""
+
+    def in_order(self, fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
+        """The fits of a round, the likeliest first; they come in the order of what they leave."""
+        return fits
 
     def ended(self, path: Path, _grow: Callable[[Path, int], Path]) -> Path:
         """The path after its end, or another one that `_grow` makes from a begun path with so many further effects."""

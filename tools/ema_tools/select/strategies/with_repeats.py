@@ -70,9 +70,9 @@ class WithRepeats(Strategy):
             self.limit = max(self.limits.least, _REPEAT_MARGIN * most)
         return self.limit
 
-    def confounded(self) -> list[Fit]:
+    def confounded(self, held: Fit | None) -> list[Fit]:
         """Where what scatters would go beyond what is credible: in place of a value that does, the effect that does the same."""
-        if not self.start.at_edge:
+        if held is not None or not self.start.at_edge:
             return []
         far = settled(self.evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
         fits = [fit for fit in confounded_fits(far) if fit.cost < self.before]
@@ -85,7 +85,7 @@ class WithRepeats(Strategy):
             return 0.0
         return float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2)
 
-    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _first: bool, _cost: float) -> tuple[Fit, ...]:
+    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
         fits = polished_near(fits, _POLISH_ROUNDS, self.limits)
         return best_of_each([*confounded, *fits]) if confounded else fits
