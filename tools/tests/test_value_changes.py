@@ -202,3 +202,23 @@ def test_much_that_only_an_estimate_calls_chance_is_not_called_adequate(tmp_path
     found = answer_by_balance(sheet, coarse)
     assert (found.verdict, found.untellable) == ("unknown", True)
     assert "do not tell whether what is left is chance" in sentence(found)
+
+
+@pytest.mark.parametrize(("share", "little"), [(0.01, True), (0.05, False)])
+def test_what_every_lap_has_and_hardly_matters_is_said_and_asks_for_nothing(
+    tmp_path: Path, sheet: Actuator, share: float, little: bool
+) -> None:
+    """A hum that goes with the lap's own time, of no effect's form."""
+    lap = speed(90, steady=False)
+    moves = np.tile(lap, 5)
+    time_s = PERIOD_S * np.arange(moves.size)
+    hum = np.tile(np.sin(2.0 * np.pi * 2.3 * time_s[: lap.size]), 5)
+    torque = INERTIA * np.gradient(moves, PERIOD_S) + VISCOUS * moves + DRY * np.sign(moves) + share * DRY * hum
+    noise = 1e-4 * np.random.default_rng(90).normal(size=moves.size)
+    path = tmp_path / "laps.csv"
+    rows = np.column_stack([time_s, moves, torque / CONSTANT + noise])
+    np.savetxt(path, rows, delimiter=",", header="time_s,motor_speed_rad_s,current_A", comments="")
+    found = answer_by_balance(sheet, [read_motion_record(path)])
+    assert found.floor_from == "laps" and found.beyond_chance
+    assert (found.verdict == "adequate") is little
+    assert ("less than 1 % of the drive, too little to ask for" in sentence(found)) is little

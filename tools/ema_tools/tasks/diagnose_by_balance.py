@@ -53,7 +53,8 @@ _MUCH, _MARGIN_MUCH = 10.0, 2.0
 _TELLS = 5.0  # % of the drive, of which more is not called chance on an estimate's word [judgement]
 _GROWN = 1.0  # by which at most what is left of a machine grows with what has changed of it, as a share [judgement]
 _BETTER = 0.9  # of another answer's error, clearly less [judgement]
-_MATTERS = 1.0  # % of the drive by which today's records are worse than any healthy one, in squares, else nobody asks for what is missing [judgement]
+# % of the drive that the model leaves, or by which today's records are worse than any healthy one, in squares, else nobody asks for what is missing [judgement]
+MATTERS = 1.0
 
 
 @dataclass(frozen=True)
@@ -181,12 +182,17 @@ class BalanceAnswer:
             # what the model lacks of a force grows with the force
             grown = 1.0 + min(max((abs(one.today / one.healthy - 1.0) for one in self.changed if one.healthy), default=0.0), _GROWN)
             worst = 100.0 * grown * self.healthy.worst_Nm / self.forces.drive_Nm
-            fitted_leaves = self.healthy.beyond(0.01 * before * self.forces.drive_Nm / grown) and math.hypot(_MATTERS, worst) < before
+            fitted_leaves = self.healthy.beyond(0.01 * before * self.forces.drive_Nm / grown) and math.hypot(MATTERS, worst) < before
             return fitted_leaves or (self.untold and not self.changed)
         return self._beyond_floor or self.untellable
 
     @property
     def _beyond_floor(self) -> bool:
+        """Whether more is left than what records without healthy ones beside them show to be chance, and enough that anyone asks for it."""
+        return self.beyond_chance and self.forces.refitted.training > MATTERS
+
+    @property
+    def beyond_chance(self) -> bool:
         """Whether more is left than what records without healthy ones beside them show to be chance."""
         before = self.forces.refitted.training
         if self.floor_from is None:

@@ -20,7 +20,7 @@ from ema_tools.select.healthy_balance import SURE_RECORDS, HealthyByBalance
 from ema_tools.select.play_changes import PLAY
 from ema_tools.select.standstill_changes import SHARE
 from ema_tools.select.value_changes import Change
-from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
+from ema_tools.tasks.diagnose_by_balance import MATTERS, BalanceAnswer
 from ema_tools.words.sentences.addition import percent
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits, units_of
 from ema_tools.words.sentences.sizes import significant
@@ -60,6 +60,8 @@ def sentence(found: BalanceAnswer) -> str:
             if found.unseen and not found.exceeds
             else f"no effect of the library carries over to the {parts} held out"
             if found.verdict == "unknown"
+            else f"what is left is more than chance, but less than {MATTERS:g} % of the drive, too little to ask for"
+            if found.beyond_chance
             else "nothing exceeds what the laps repeat"
             if math.isfinite(found.forces.floor_percent)
             else f"no effect of the library lowers the error on the {parts} held out"
