@@ -21,6 +21,8 @@ from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.baseline import gather
 from ema_tools.select.search import diagnose
+from ema_tools.tasks.diagnose import answer
+from ema_tools.words.sentences.diagnosis import sentence
 from support import chirp_record
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
@@ -106,3 +108,11 @@ def test_a_healthy_unit_that_is_known_by_its_data_sheet_alone_is_not_accused(uni
         )
     )
     assert found.verdict == "adequate", [(one.name, one.score, one.values) for one in found.named]
+
+
+@pytest.mark.slow
+def test_no_share_of_chance_is_said_to_stay() -> None:
+    """Beside what a unit's own parameters explain little is left to be shared."""
+    found = answer(reference_actuator(), noisy({"sensor_offset.offset_mm": 0.05}, 8))
+    assert found.diagnosis.verdict == "missing" and found.errors.after < 1.05 * found.errors.floor
+    assert "sensor_offset" in sentence(found) and "stays unexplained" not in sentence(found)

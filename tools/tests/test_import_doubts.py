@@ -47,7 +47,7 @@ def test_the_factor_between_position_and_speed_is_told(tmp_path: Path) -> None:
     columns = {"t": time, "phi": angle, "n": speed, "tau": torque}
     mapped = [("time_s", "t", "s"), ("motor_angle_rad", "phi", "rad"), ("motor_speed_rad_s", "n", "rad/s"), DRIVEN]
     told = remarks(tmp_path, imported(tmp_path, columns, mapped))
-    assert any("motor_angle_rad and motor_speed_rad_s agree: the first moves 1 times as far" in one for one in told), told
+    assert any("motor_angle_rad and motor_speed_rad_s agree to 0." in one for one in told), told
     told = remarks(tmp_path, imported(tmp_path, {**columns, "n": 1.1 * speed}, mapped))
     assert any("motor_angle_rad moves 0.909 times as far as motor_speed_rad_s says: they should be one" in one for one in told), told
     ran = imported(tmp_path, {**columns, "n": 4.0 * speed}, mapped)
@@ -183,3 +183,30 @@ def test_two_columns_below_a_title_have_their_names(tmp_path: Path) -> None:
     )
     ran = run_ema("import", "table", tmp_path / "log.csv", "--map", tmp_path / "map.toml", "-o", tmp_path / "out")
     assert 'no column "Iststrom": columns are "Zeit", "Istposition"' in complaint(ran)
+
+
+def test_what_is_asked_for_in_the_place_of_what_is_done_is_said(tmp_path: Path) -> None:
+    time, _, speed, torque = motion()
+    for name, odd in (("Sollwert Drehzahl", True), ("Istdrehzahl", False)):
+        mapped = [("time_s", "t", "s"), ("motor_speed_rad_s", name, "rad/s"), DRIVEN]
+        told = remarks(tmp_path, imported(tmp_path, {"t": time, name: speed, "tau": torque}, mapped))
+        assert any(f'"{name}" is what is asked for, by its name, and stands for motor_speed_rad_s' in one for one in told) is odd, told
+
+
+def test_records_of_earlier_imports_in_a_folder_are_said(tmp_path: Path) -> None:
+    time, _, speed, torque = motion()
+    columns, mapped = {"t": time, "n": speed, "tau": torque}, [("time_s", "t", "s"), ("motor_speed_rad_s", "n", "rad/s"), DRIVEN]
+    assert not any("more records" in one for one in remarks(tmp_path, imported(tmp_path, columns, mapped)))
+    (tmp_path / "out" / "yesterday.csv").write_text("time_s\n0\n", encoding="utf-8")
+    told = remarks(tmp_path, imported(tmp_path, columns, mapped))
+    assert any("holds 1 more records, of earlier imports or other files" in one for one in told), told
+
+
+def test_grad_is_a_degree(tmp_path: Path) -> None:
+    """As German drives write it; the gon, of which 400 are a turn, is called so."""
+    time, angle, _, torque = motion()
+    for unit, per_rad in (("grad", 180.0 / np.pi), ("Grad", 180.0 / np.pi), ("gon", 200.0 / np.pi)):
+        columns = {"t": time, "winkel": per_rad * angle, "tau": torque}
+        remarks(tmp_path, imported(tmp_path, columns, [("time_s", "t", "s"), ("motor_angle_rad", "winkel", unit), DRIVEN]))
+        record = read_motion_record(tmp_path / "out" / "log.csv")
+        assert record.recorded("motor_angle_rad") == pytest.approx(angle, abs=1e-5)

@@ -12,7 +12,7 @@ import pytest
 
 from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, read_actuator
-from ema_tools.data.motion_records import MotionRecord, read_motion_record
+from ema_tools.data.motion_records import MotionRecord, read_motion_record, same_samples
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_against, answer_by_balance, gates_of
 from ema_tools.words.sentences.balance import sentence
@@ -222,3 +222,16 @@ def test_what_every_lap_has_and_hardly_matters_is_said_and_asks_for_nothing(
     assert found.floor_from == "laps" and found.beyond_chance
     assert (found.verdict == "adequate") is little
     assert ("less than 1 % of the drive, too little to ask for" in sentence(found)) is little
+
+
+def test_a_torque_per_current_that_no_magnet_makes_is_another_machines(tmp_path: Path, sheet: Actuator) -> None:
+    found = answered(sheet, [record(tmp_path, seed, constant=2.6 * CONSTANT) for seed in (95, 96)])
+    assert found.verdict == "unknown"
+    assert "as if these were records of another machine" in found.unseen
+
+
+def test_records_with_no_column_in_common_are_not_one() -> None:
+    speed_rad_s, current_A = np.sin(np.arange(100.0)), np.cos(np.arange(100.0))
+    one = MotionRecord(PERIOD_S, "one").with_columns({"motor_speed_rad_s": speed_rad_s})
+    assert not same_samples(one, MotionRecord(PERIOD_S, "other").with_columns({"current_A": current_A}))
+    assert same_samples(one, MotionRecord(PERIOD_S, "copy").with_columns({"motor_speed_rad_s": speed_rad_s, "current_A": current_A}))

@@ -130,7 +130,7 @@ AnyRecord = Record | MotionRecord
 def same_samples(one: AnyRecord, other: AnyRecord) -> bool:
     """Whether two records are one, however their files are called."""
     names = [name for name in one.present if name in other.present]
-    return one.rows == other.rows and all(np.array_equal(one.recorded(name), other.recorded(name)) for name in names)
+    return bool(names) and one.rows == other.rows and all(np.array_equal(one.recorded(name), other.recorded(name)) for name in names)
 
 
 def of_controlled(record: Record) -> MotionRecord:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -102,7 +102,14 @@ def import_tables(names: Sequence[str | Path], map_path: str | Path, folder: str
         for record, place in zip(one.records, part, strict=True):
             write_motion_record(place, record, (f"From {one.path.name} by {mapped.file}.",), force)
     actuator.write(target / ACTUATOR, force)
+    remarks = (*remarks, *_others(target, {place for part in places for place in part}))
     return TablesImported(mapped, tuple(files), places, target / ACTUATOR, actuator, estimated, _signals(records, mapped), remarks)
+
+
+def _others(folder: Path, written: Collection[Path]) -> tuple[TableRemark, ...]:
+    """That a folder holds records beside those that were written."""
+    count = sum(1 for one in folder.glob("*.csv") if one not in written)
+    return (TableRemark("others", None, {"count": float(count)}, "", str(folder)),) if count else ()
 
 
 def _named_apart(files: Sequence[Converted]) -> list[Converted]:

@@ -17,6 +17,7 @@ from ema_tools.data.tables.lost_signs import check_signs
 from ema_tools.data.tables.motions_agree import check_motions
 from ema_tools.data.tables.plausible_units import check_speeds
 from ema_tools.data.tables.rate import TableRemark
+from ema_tools.data.tables.signal_names import spoken
 from ema_tools.data.tables.table_map import TableMap
 from ema_tools.data.tables.units import EXAMPLES, suffix_of
 
@@ -55,7 +56,18 @@ def check(records: Sequence[MotionRecord], mapped: TableMap, unnamed: Mapping[st
     told = check_motions(records, mapped)
     check_drives(records, mapped)
     check_speeds(records, mapped, unnamed)
-    return (*told, *_held(records, mapped), *_power(records, mapped, train))
+    return (*told, *_asked(records, mapped), *_held(records, mapped), *_power(records, mapped, train))
+
+
+def _asked(records: Sequence[MotionRecord], mapped: TableMap) -> list[TableRemark]:
+    """What the machine is asked for, by its name in the file, in the place of what it does."""
+    names = dict.fromkeys(name for record in records for name in record.present if name in (*MOTIONS, *DRIVES))
+    taken = [(name, mapped.columns[name]) for name in names if not mapped.columns[name].sure]
+    return [
+        TableRemark("setpoint", None, None, name, entry.source)
+        for name, entry in taken
+        if isinstance(entry.source, str) and spoken(entry.source, suffix_of(name), mapped.units).role == "asked"
+    ]
 
 
 def _all_of(records: Sequence[MotionRecord]) -> str:

@@ -22,6 +22,7 @@ _SAME = (0.8, 1.25)  # between these one signal is as large as the other, with r
 # What is so much like another motion, and so much smaller or larger, is no poor sensor of it but another column: a torque goes with the speed, too [judgement]
 _LIKE, _FAR = 0.4, (1.0 / 3.0, 3.0)
 _STEPS = 50  # of a record over which both are said to move: a drift of one is small there, and so is the noise of the other [judgement]
+_LEAST_PERCENT = 0.01  # to which two signals are said to agree at best [layout]
 _AS_ONE = 0.02  # factors nearer to one than this are told as agreement: encoders and leads are better, records seldom [judgement]
 
 
@@ -114,4 +115,4 @@ def _told(pairs: Sequence[_Pair], train: Train) -> list[TableRemark]:
         mm_per_turn = 2.0 * math.pi * (times if rod == first else 1.0 / times)
         return [TableRemark("travel", None, {"lead_mm": mm_per_turn}, rod, shaft)]
     kind: RemarkKind = "agree" if abs(times - 1.0) <= _AS_ONE else "apart"
-    return [TableRemark(kind, None, {"times": times}, first, second)]
+    return [TableRemark(kind, None, {"times": times, "percent": max(100.0 * abs(times - 1.0), _LEAST_PERCENT)}, first, second)]

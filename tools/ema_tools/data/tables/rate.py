@@ -37,6 +37,8 @@ RemarkKind = Literal[
     "assumed",
     "held",
     "frictionless",
+    "setpoint",
+    "others",
 ]
 GAP_STEPS = 3.5  # a step longer than so many usual ones is a gap that straight lines may not cross: three lost rows are still few of the motion [judgement]
 _EVEN_SHARE = 0.01  # of a step: rows that are off an even rate by less are on it, the error is below a percent of the speed [precision]

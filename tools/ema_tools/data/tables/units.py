@@ -160,6 +160,8 @@ def plain_unit(text: str) -> str:
         return _SPELLINGS[key]
     for name in COUNTS:
         bare = re.sub(rf"(?<![\w]){name}(?![\w])", "encoder_count", bare, flags=re.IGNORECASE)
+    # German, Dutch and Swedish for degree: the 400 of a turn are written gon
+    bare = re.sub(r"(?<!\w)grade?(?!\w)", "deg", bare, flags=re.IGNORECASE)
     return bare.replace("U/min", "rpm").replace("²", "^2").replace("³", "^3").replace("·", "*").replace("µ", "u").replace("μ", "u")
 
 

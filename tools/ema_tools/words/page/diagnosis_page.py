@@ -307,7 +307,8 @@ def _rest(result: Diagnosed, found: signal_section.Traces | None, titles: dict[s
     """What the last model leaves: its size beside the noise level, and its spectra."""
     parts = [f"<p>{escape(_noise_verdict(result))}</p>"]
     share = getattr(result.found, "unexplained", None)
-    if share is not None and (result.verdict != "adequate" or own_form_leaves(result)):
+    told = result.verdict == "unknown" or (result.by_forces and result.verdict == "missing") or own_form_leaves(result)
+    if share is not None and told:
         parts.append(f"<p>{100.0 * share:.0f} % of the excess over the noise level stays unexplained.</p>")
     parts.append(rest.spectra(found, titles, {one.name: one.floor_rms for one in result.signals}))
     return "".join(parts)

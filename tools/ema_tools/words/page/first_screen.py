@@ -18,7 +18,7 @@ from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, read_sizes
 from ema_tools.words.sentences.balance import MOSTLY
-from ema_tools.words.sentences.diagnosis import LEAVES
+from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
@@ -296,7 +296,9 @@ def _mostly_unexplained(result: Diagnosed) -> str:
 
 def own_form_leaves(result: Diagnosed) -> list[str]:
     """What the machine's own form leaves of what was found by simulation, in words, where it is not next to nothing."""
-    share = result.found.unexplained if isinstance(result.found, DiagnosisResult) and result.verdict != "unknown" else None
+    after, floor = (result.errors.get(name) for name in ("after", "floor"))
+    near = after is not None and floor is not None and after <= AT_FLOOR * floor
+    share = result.found.unexplained if isinstance(result.found, DiagnosisResult) and result.verdict != "unknown" and not near else None
     return [f"{100.0 * share:.0f} % of the excess stays unexplained"] if share is not None and share > LEAVES and _found(result) else []
 
 

@@ -14,6 +14,7 @@ from ema_tools.words.sentences.identification import TITLES as FAULT_TITLES
 from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 from ema_tools.words.sentences.sizes import size_text
 
+AT_FLOOR = 1.05  # times the floor: an error no larger leaves chance alone, of which no share is told [judgement]
 LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
 
 
@@ -68,8 +69,10 @@ def _said(found: Answer) -> str:
 
 def _left(found: Answer) -> str:
     """What another form of its own leaves of what was found."""
-    left = found.diagnosis.unexplained
-    return f"; {100.0 * left:.0f} % of the excess stays unexplained" if found.diagnosis.fit is not None and left > LEAVES else ""
+    left, errors = found.diagnosis.unexplained, found.errors
+    if found.diagnosis.fit is None or left <= LEAVES or errors.after <= AT_FLOOR * errors.floor:
+        return ""
+    return f"; {100.0 * left:.0f} % of the excess stays unexplained"
 
 
 def _unit_words(found: Answer) -> str:

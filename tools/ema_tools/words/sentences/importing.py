@@ -23,7 +23,7 @@ _SAID: Mapping[RemarkKind, str] = {
     "footer": "below the last whole row of numbers stands {count:g} more, of text or cut off: left out",
     "rms": "{column} is recorded as an effective value: taken as it is, so a torque constant must be per effective ampere",
     "one_way": "the machine moves one way only and {column} holds it back: right for a load that is lowered; otherwise write sign = -1 in [columns.{column}]",
-    "agree": "{column} and {other} agree: the first moves {times:.4g} times as far as the second says",
+    "agree": "{column} and {other} agree to {percent:.2g} %",
     "apart": "{column} moves {times:.3g} times as far as {other} says: they should be one, so look at counts, unit, lead or ratio of the two",
     "travel": "{column} moves {lead_mm:.4g} mm in one turn of {other}: state lead and ratio in [machine] that make it so, lead over ratio is the travel per turn of the motor",
     "inertia": "{column} speeds up {times:.3g} times the inertia of [machine]: a load that was not counted, or counts per turn, lead, torque constant or nominal value are off by so much;"
@@ -33,6 +33,9 @@ _SAID: Mapping[RemarkKind, str] = {
     " its current or its duty cycle",
     "frictionless": "the records show no friction at all, neither dry nor viscous: {column} is doubtful as the drive of this motion: check from, unit and sign in [columns.{column}],"
     " and that it is the motor's actual value, of the same run as the motion",
+    "setpoint": '"{other}" is what is asked for, by its name, and stands for {column}: right only where the drive follows it closely, so name the actual value'
+    " in [columns.{column}], or write sure = true there",
+    "others": "{other} holds {count:g} more records, of earlier imports or other files: whoever reads the folder reads them too, so delete what is not of this machine",
     "copy": "the same samples came as {column}, too: one of the two is enough, and a diagnosis refuses both together",
 }
 _MADE: Mapping[Origin, str] = {
