@@ -482,7 +482,7 @@ def test_odd_records_are_answered(odd: str, tmp_path: Path) -> None:
         "winding_heating",
         60.0,
         tmp_path,
-        named=odd not in ("step", "voltage alone"),
+        named=odd not in ("step", "voltage alone", "position alone", "with speed_mm_s alone"),
     )
 
 
@@ -503,8 +503,8 @@ def test_a_long_record_is_answered(tmp_path: Path) -> None:
 
 
 def check_named(actuator: Path, record: Path, effect: str, size: float, folder: Path, named: bool = True) -> None:
-    """diagnose names the effect among its class (without repeats a step shows too little for that, and voltage without current not whether the winding or the friction
-    takes it), add --known finds its size, identify no fault."""
+    """diagnose names the effect among its class (without repeats a step shows too little for that, voltage without current not whether the winding or the friction takes it, and positions
+    alone hot windings by 3.7 standard deviations of what units differ by, which one value of nine is off by chance too often), add --known finds its size, identify no fault."""
     ran = run_ema("diagnose", actuator, record, "--json", folder / "d.json", "--report", folder / "d.html")
     assert ran.code == 0, ran.err
     found = result(folder / "d.json")

@@ -20,6 +20,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.baseline import gather
+from ema_tools.select.holdout import ErrorFall
 from ema_tools.select.search import diagnose
 from ema_tools.tasks.diagnose import answer
 from ema_tools.words.sentences.diagnosis import sentence
@@ -116,3 +117,5 @@ def test_no_share_of_chance_is_said_to_stay() -> None:
     found = answer(reference_actuator(), noisy({"sensor_offset.offset_mm": 0.05}, 8))
     assert found.diagnosis.verdict == "missing" and found.errors.after < 1.05 * found.errors.floor
     assert "sensor_offset" in sentence(found) and "stays unexplained" not in sentence(found)
+    much = replace(found, errors=ErrorFall(60.0, 3.4, 0.9, 40.0, 4.5, 0.9))
+    assert "3.8 times the floor is left, so that more is missing; of the record held out 5 times its floor is left" in sentence(much)

@@ -12,9 +12,10 @@ from ema_tools.words.sentences import unexplained, validity
 from ema_tools.words.sentences.few_records import few_records
 from ema_tools.words.sentences.identification import TITLES as FAULT_TITLES
 from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
-from ema_tools.words.sentences.sizes import size_text
+from ema_tools.words.sentences.sizes import significant, size_text
 
 AT_FLOOR = 1.05  # times the floor: an error no larger leaves chance alone, of which no share is told [judgement]
+MUCH = 2.0  # times the floor: so much is no other form of what was found [judgement]
 LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
 
 
@@ -70,15 +71,27 @@ def _said(found: Answer) -> str:
 def _left(found: Answer) -> str:
     """What another form of its own leaves of what was found."""
     left, errors = found.diagnosis.unexplained, found.errors
-    if found.diagnosis.fit is None or left <= LEAVES or errors.after <= AT_FLOOR * errors.floor:
+    if found.diagnosis.fit is None:
         return ""
-    return f"; {100.0 * left:.0f} % of the excess stays unexplained"
+    share = f"; {100.0 * left:.0f} % of the excess stays unexplained" if left > LEAVES and errors.after > AT_FLOOR * errors.floor else ""
+    much = (
+        f"; {significant(errors.after / errors.floor, 2)} times the floor is left, so that more is missing" if _leaves_much(found) else ""
+    )
+    held, floor = errors.holdout_after, errors.holdout_floor or errors.floor
+    if held is None or held <= MUCH * floor:
+        return share + much
+    return f"{share}{much}; of the record held out {significant(held / floor, 2)} times its floor is left: more is missing, or this stands in for it"
+
+
+def _leaves_much(found: Answer) -> bool:
+    return found.errors.after > MUCH * found.errors.floor
 
 
 def _unit_words(found: Answer) -> str:
     """CSJ and BLK where they lie farther from the data sheet than units do."""
     shifts = [f"{FAULT_TITLES[name]} by {100.0 * shift:+.0f} %" for name, shift in found.unit_shift.items()]
-    if not shifts:
+    if not shifts or _leaves_much(found):
+        # what is missing besides would make such values, too
         return ""
     return f"the record shows {' and '.join(shifts)} off the data sheet, more than units are: wear, unless it was always so, which healthy records would tell"
 
