@@ -72,7 +72,10 @@ def test_first_screen_answers(kind: str, sentence: str, short: tuple[str, ...]) 
 def test_what_another_form_leaves_stands_beside_what_was_found(kind: str) -> None:
     data = diagnosis(kind)
     assert "unexplained" not in said(data).replies[2].more
-    assert "; 16 % of the excess stays unexplained" in said({**data, "unexplained": 0.16}).replies[2].more
+    more = {**data, "unexplained": 0.16, "error": {**data["error"], "after": 1.1 * data["error"]["floor"]}}
+    assert "; 16 % of the excess stays unexplained" in said(more).replies[2].more
+    # at the floor only chance is left
+    assert "unexplained" not in said({**data, "unexplained": 0.16}).replies[2].more
 
 
 def test_next_command_has_the_paths_that_were_given() -> None:
