@@ -136,6 +136,10 @@ class Evidence:
         """Whether healthy repeats stand behind it."""
         return bool(self.repeats)
 
+    def released(self, effect: str) -> bool:
+        """Whether a little of an effect would be granted, and a first look found more of it."""
+        return spreads.is_free(effect) and effect not in self.granted
+
     def expected_cost(self) -> float:
         """The cost of a record with nothing new: the mean of the healthy repeats', else what sensor noise alone has."""
         return float(np.mean([residual @ residual for residual in self.of_repeats])) if self.repeats else self.floor

@@ -187,3 +187,8 @@ def is_slight(actuator: Actuator, name: str, size: float) -> bool:
     """Whether a size is what every machine has of an effect; `name`: of a value, of which only sizes count."""
     one = record_of(effect_of(name)).slight
     return one is not None and is_size(name) and abs(size) <= SLIGHT_REACH * one.usual(actuator["screw.csj_Nm"])
+
+
+def are_slight(actuator: Actuator, values: Mapping[str, float]) -> bool:
+    """`is_slight` by any of an effect's values."""
+    return any(is_slight(actuator, name, value) for name, value in values.items())

@@ -15,7 +15,7 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, settled
-from ema_tools.fit.nuisance import FROM_DATA_SHEET, is_free, is_slight, moved
+from ema_tools.fit.nuisance import FROM_DATA_SHEET, are_slight, moved
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather, granting, same_command
 from ema_tools.select.healthy_groups import state_doubt
@@ -207,11 +207,10 @@ _AS_ASKED = RecordRemark(
 def _searched(evidence: Evidence, report: Report) -> tuple[Evidence, Diagnosis]:
     """The search, and the evidence that it rests on: what it finds as slight as on every machine is granted, and it goes once more."""
     found = diagnose(evidence, report)
-    actuator, fit = evidence.actuator, found.fit
+    fit = found.fit
     if evidence.relative or fit is None:
         return evidence, found
-    released = [effect for effect in fit.effects if is_free(effect) and effect not in evidence.granted]
-    slight = [effect for effect in released if any(is_slight(actuator, name, value) for name, value in fit.of_effect(effect).items())]
+    slight = [effect for effect in fit.effects if evidence.released(effect) and are_slight(evidence.actuator, fit.of_effect(effect))]
     if not slight:
         return evidence, found
     again = granting(evidence, slight)

@@ -292,7 +292,7 @@ def _settings(rows: Sequence[Row]) -> str:
 
 def _of_units(rows: Sequence[Row]) -> str:
     """What no one who knows one record alone can name."""
-    hidden = [row for kind in ("twice", "half") for row in of_kind(rows, kind, *scoring.STRONG) if row["effects"] and not row["repeats"]]
+    hidden = [row for kind in scoring.UNLIKE for row in of_kind(rows, kind, *scoring.STRONG) if row["effects"] and not row["repeats"]]
     within = [row for row in hidden if scoring.of_units(row)]
     if not within:
         return ""

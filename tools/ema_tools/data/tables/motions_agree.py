@@ -14,7 +14,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.motion_records import MOTIONS, MotionRecord
 from ema_tools.data.motion_signals import Train, integrated
 from ema_tools.data.tables.plausible_units import looks_like
-from ema_tools.data.tables.rate import RemarkKind, TableRemark
+from ema_tools.data.tables.rate import TableRemark
 from ema_tools.data.tables.table_map import TableMap
 
 _FOLLOWS = 0.8  # correlation above which two signals are taken for the same motion [judgement]
@@ -114,5 +114,6 @@ def _told(pairs: Sequence[_Pair], train: Train) -> list[TableRemark]:
         rod, shaft = (second, first) if _at_shaft(first) else (first, second)
         mm_per_turn = 2.0 * math.pi * (times if rod == first else 1.0 / times)
         return [TableRemark("travel", None, {"lead_mm": mm_per_turn}, rod, shaft)]
-    kind: RemarkKind = "agree" if abs(times - 1.0) <= _AS_ONE else "apart"
-    return [TableRemark(kind, None, {"times": times, "percent": max(100.0 * abs(times - 1.0), _LEAST_PERCENT)}, first, second)]
+    if abs(times - 1.0) <= _AS_ONE:
+        return [TableRemark("agree", None, {"percent": max(100.0 * abs(times - 1.0), _LEAST_PERCENT)}, first, second)]
+    return [TableRemark("apart", None, {"times": times}, first, second)]

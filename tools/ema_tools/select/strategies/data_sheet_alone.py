@@ -11,7 +11,7 @@ from scipy import special
 from ema_tools.base.arrays import Reals
 from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
-from ema_tools.fit.nuisance import WORN, is_free, is_slight
+from ema_tools.fit.nuisance import WORN, are_slight
 from ema_tools.fit.refit import Fit, best_of_each, jointly, refit
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature
@@ -72,9 +72,7 @@ class DataSheetAlone(Strategy):
 
     def _is_slight(self, effect: str, values: Mapping[str, float]) -> bool:
         """What a first look found larger than to be granted competes by any size: another one would be named in its place."""
-        if is_free(effect) and effect not in self.evidence.granted:
-            return False
-        return any(is_slight(self.evidence.actuator, name, value) for name, value in values.items())
+        return not self.evidence.released(effect) and are_slight(self.evidence.actuator, values)
 
     def confounded(self, held: Fit | None) -> list[Fit]:
         """Seen from where the machine itself explains most, beside what is held; they count from there."""
