@@ -29,8 +29,8 @@ extern "C" {
 /* Readings that are kept, joined ones as one; fewest of a forecast; wear laws of it; instants that it looks at. */
 #define EMA_TREND_KNOTS 48U
 #define EMA_TREND_READINGS_MIN 6U
-#define EMA_FORECAST_LAWS 864U
-#define EMA_FORECAST_TIMES 40U
+#define EMA_FORECAST_LAWS 2104U
+#define EMA_FORECAST_TIMES 80U
 
 /* Version of the saved bytes, and their number. */
 #define EMA_TREND_VERSION 1U
@@ -117,7 +117,7 @@ typedef struct {
     ema_real ahead_days;    /* which is twenty times the time since the first reading */
 } ema_outlook_t;
 
-/* Memory of one forecast, under half a KiB; one serves all trends, one after the other. */
+/* Memory of one forecast, under 1 KiB; one serves all trends, one after the other. */
 typedef struct {
     const ema_trend_t* trend;
     uint32_t mark;

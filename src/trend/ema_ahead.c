@@ -3,14 +3,13 @@
 #include "ema_math.h"
 
 /* First instant behind zero; logarithm of the ratio of each to the one before, from there to EMA_AHEAD_MOST. */
-#define EMA_FIRST EMA_R(0.001)
-#define EMA_RATIO_LOG (EMA_R(9.903487552536127) / EMA_R(38.0))
-_Static_assert(EMA_FORECAST_TIMES == 40U, "so many ratios are between them");
+#define EMA_FIRST EMA_R(0.002)
+#define EMA_RATIO_LOG (EMA_R(9.210340371976184) / EMA_R(78.0))
+_Static_assert(EMA_FORECAST_TIMES == 80U, "so many ratios are between them");
 
-/* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) / 0.35. */
+/* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) */
 #define EMA_CHANGES 4U
-static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.3815182646414933), EMA_R(1.3428675121306732),
-                                                  EMA_R(2.802369294319218), EMA_R(5.941261547656674)};
+static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.13353139262452263), EMA_R(0.4700036292457356), EMA_R(0.9808292530117262), EMA_R(2.0794415416798357)};
 
 /* The time until a stall ends, over that since it began, by the same middles: (1 - (k + 1/2) / 4)^(-1/2) - 1. One that
  * is to come lasts as if it had gone on for EMA_TO_COME. */
@@ -37,7 +36,7 @@ static ema_real ema_share_at(const ema_real share[EMA_FORECAST_TIMES], ema_real 
         return share[0] + ((share[1] - share[0]) * (at / EMA_FIRST));
     }
     const ema_real beyond = ema_log(at / EMA_FIRST) / EMA_RATIO_LOG;
-    if (beyond >= EMA_R(38.0)) {
+    if (beyond >= EMA_R(78.0)) {
         return share[EMA_FORECAST_TIMES - 1U];
     }
     const uint32_t place = 1U + (uint32_t)ema_max(beyond, EMA_R(0.0));

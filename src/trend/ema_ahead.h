@@ -14,7 +14,7 @@
 ema_real ema_ahead_time(uint32_t place);
 
 /* The share that has reached the limit at instant `place`, by the shares over wear's own time where it goes on now and
- * where it is stalled. What goes on changes its pace at a time as likely as any other, 0.35 in one of those times: in
+ * where it is stalled. What goes on changes its pace at a time as likely as any other, one in each of those times: in
  * one case of four it stalls, else its pace turns to another whose logarithm scatters by 0.75. What has been stalled
  * for `stalled_for` still is after a further x with probability (1 + x / stalled_for)^-2; a stall to come lasts as one
  * that has been for 0.3. */

@@ -11,9 +11,9 @@
 /* Share of the evidence's logarithm that weighs the laws against each other: none is the machine's own, and readings
  * beside each other repeat what it lacks. */
 #define EMA_TEMPER EMA_R(0.7)
-/* Variance of the level over an edge of a law: edges stand at twelfths of the age, and what wears until one is there is
- * a step; 0.02 squared, the limit being 1. */
-#define EMA_EDGE EMA_R(4.0e-4)
+/* Standard deviation of the level over an edge of a law, times the parts at whose ends it stands: what wears until one
+ * is there is a step; the limit being 1. */
+#define EMA_EDGE EMA_R(0.24)
 /* Below any evidence that there can be. */
 #define EMA_NO_LOG EMA_R(-1.0e30)
 /* Least doubt about a value, squared, so that a quotient by it is finite. */
@@ -57,6 +57,7 @@ static ema_real ema_followed(const ema_forecast_t* forecast, const ema_law_t* la
 {
     const ema_trend_t* const trend = forecast->trend;
     const ema_real scatter = ema_trend_scatter(trend) / ema_abs(forecast->config.limit_percent);
+    const ema_real edge = EMA_EDGE / law->parts;
     ema_wear_begin(wear);
     ema_real before = EMA_R(0.0);
     ema_real passed_before = EMA_R(0.0);
@@ -70,7 +71,7 @@ static ema_real ema_followed(const ema_forecast_t* forecast, const ema_law_t* la
         const uint32_t behind = trend->count - 1U - k;
         const ema_real std = scatter * ((behind < 2U) ? forecast->newest_std_percent[1U - behind] : knot->std_percent);
         const ema_real passed = ema_law_passed(law, at);
-        ema_wear_walk(wear, (law->walk * law->walk * (now - before)) + (EMA_EDGE * (passed - passed_before)));
+        ema_wear_walk(wear, (law->walk * law->walk * (now - before)) + (edge * edge * (passed - passed_before)));
         ema_wear_take(wear, row, knot->value_percent / forecast->config.limit_percent, std * std);
         before = now;
         passed_before = passed;
@@ -127,7 +128,8 @@ static void ema_mean_with(ema_real* mean, ema_real* square, ema_real value, ema_
 static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_wear_t* wear, ema_real own,
                     ema_real weight)
 {
-    const bool stalls = ema_law_stalls(law);
+    const ema_real stalled_for = ema_law_stalled_for(law);
+    const bool stalls = stalled_for > EMA_R(0.0);
     const ema_real risen = ema_law_risen(law, own);
     const ema_real faded = ema_law_faded(law, EMA_R(1.0));
     const ema_real rises = stalls ? EMA_R(0.0) : ema_law_rises(law, own);
@@ -142,7 +144,7 @@ static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_we
                   weight, forecast->weight_sum);
     if (stalls) {
         forecast->stalled_sum += weight;
-        forecast->stalled_for += weight * (EMA_R(1.0) - law->stall);
+        forecast->stalled_for += weight * stalled_for;
     }
     ema_real* const share = stalls ? forecast->stalled : forecast->going;
     ema_real reached = EMA_R(0.0);

@@ -3,18 +3,22 @@
 #include "ema/ema_trend.h"
 #include "ema_math.h"
 
-/* Places of onsets and stalls: twelfths. */
-#define EMA_PARTS 12U
-#define EMA_POWERS 3U
-#define EMA_GROWTHS 2U
-#define EMA_POLES 3U
+#define EMA_POWERS 2U
+#define EMA_GROWTHS 7U
+#define EMA_POLES 18U
+#define EMA_POLES_FIRST 8U
 #define EMA_SHAPES (EMA_POWERS + EMA_GROWTHS + EMA_POLES)
 #define EMA_FADES 2U
 #define EMA_WALKS 3U
-#define EMA_LAWS_STEADY (EMA_PARTS * EMA_SHAPES * EMA_FADES * EMA_WALKS)
-/* An onset, a stall and its end are three twelfths of 0 .. 12, in order. */
-#define EMA_LAWS_STALLING 286U
-_Static_assert((EMA_LAWS_STILL + EMA_LAWS_STEADY + EMA_LAWS_STALLING) == EMA_FORECAST_LAWS, "every law has a number");
+/* Parts of the age at whose ends edges stand, and so many ways there are of three or five of them in order. */
+#define EMA_PARTS_STEADY 8U
+#define EMA_PARTS_ONCE 16U
+#define EMA_PARTS_TWICE 8U
+#define EMA_LAWS_STEADY (EMA_PARTS_STEADY * EMA_SHAPES * EMA_FADES * EMA_WALKS)
+#define EMA_LAWS_ONCE 680U
+#define EMA_LAWS_TWICE 126U
+_Static_assert((EMA_LAWS_STILL + EMA_LAWS_STEADY + EMA_LAWS_ONCE + EMA_LAWS_TWICE) == EMA_FORECAST_LAWS,
+               "every law has a number");
 
 /* E-foldings behind which it does not matter any more how far beyond the limit. */
 #define EMA_FAR EMA_R(20.0)
@@ -23,31 +27,46 @@ _Static_assert((EMA_LAWS_STILL + EMA_LAWS_STEADY + EMA_LAWS_STALLING) == EMA_FOR
 /* Nearer to a pole it does not matter any more, either. */
 #define EMA_POLE_LEAST EMA_R(0.001)
 
-/* How wear rises: by powers, by e-foldings, towards poles; how fast grease runs in; how wide the walk is, and that
- * beside a stall. */
-static const ema_real ema_powers[EMA_POWERS] = {EMA_R(0.7), EMA_R(1.0), EMA_R(1.6)};
-static const ema_real ema_growths[EMA_GROWTHS] = {EMA_R(2.0), EMA_R(5.0)};
-static const ema_real ema_poles[EMA_POLES] = {EMA_R(2.4), EMA_R(1.5), EMA_R(1.25)};
+/* How wear rises: by powers, by e-foldings, towards poles, the first of them of order 1; how fast grease runs in; how
+ * wide the walk is. */
+static const ema_real ema_powers[EMA_POWERS] = {EMA_R(0.7), EMA_R(1.0)};
+static const ema_real ema_growths[EMA_GROWTHS] = {EMA_R(0.7), EMA_R(1.1), EMA_R(1.5), EMA_R(2.0),
+                                                  EMA_R(2.5), EMA_R(3.2), EMA_R(4.5)};
+static const ema_real ema_poles[EMA_POLES] = {EMA_R(3.0),  EMA_R(2.2),  EMA_R(1.8),  EMA_R(1.6), EMA_R(1.4), EMA_R(1.25),
+                                              EMA_R(1.15), EMA_R(1.07), EMA_R(6.0),  EMA_R(4.0), EMA_R(3.0), EMA_R(2.5),
+                                              EMA_R(2.1),  EMA_R(1.8),  EMA_R(1.6),  EMA_R(1.4), EMA_R(1.25),
+                                              EMA_R(1.15)};
 static const ema_real ema_fades[EMA_FADES] = {EMA_R(0.0), EMA_R(0.1)};
 static const ema_real ema_walks[EMA_WALKS] = {EMA_R(0.0), EMA_R(0.04), EMA_R(0.2)};
-#define EMA_STALL_WALK EMA_R(0.04)
 
-/* Logarithms of 1 / 2, (3 / 4) / 576 and (1 / 4) / 286: of those that wear a quarter stalls. */
+/* Logarithms of 1 / 2, (3 / 4) / 1296, (1 / 8) / 680 and (1 / 8) / 126: of those that wear a quarter stalls. */
 #define EMA_STILL_LOG EMA_R(-0.6931471805599453)
-#define EMA_STEADY_LOG EMA_R(-6.643789733147672)
-#define EMA_STALLING_LOG EMA_R(-7.042286171939743)
+#define EMA_STEADY_LOG EMA_R(-7.454719949364001)
+#define EMA_ONCE_LOG EMA_R(-8.601534339849989)
+#define EMA_TWICE_LOG EMA_R(-6.915723448631314)
 
-static ema_real ema_part(uint32_t count)
+/* One that does not wear, and does not stall. */
+static ema_law_t ema_plain(uint32_t parts, ema_real share_log)
 {
-    return (ema_real)count / (ema_real)EMA_PARTS;
+    const ema_law_t law = {(ema_real)parts,
+                           EMA_R(0.0),
+                           {EMA_R(1.0), EMA_R(1.0)},
+                           {EMA_R(1.0), EMA_R(1.0)},
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           share_log};
+    return law;
 }
 
 static ema_law_t ema_steady(uint32_t number)
 {
     const uint32_t shape = (number / (EMA_WALKS * EMA_FADES)) % EMA_SHAPES;
-    ema_law_t law = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0),    EMA_R(0.0),
-                     EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_STEADY_LOG};
-    law.onset = ema_part(number / (EMA_WALKS * EMA_FADES * EMA_SHAPES));
+    ema_law_t law = ema_plain(EMA_PARTS_STEADY, EMA_STEADY_LOG);
+    law.onset = (ema_real)(number / (EMA_WALKS * EMA_FADES * EMA_SHAPES)) / law.parts;
     law.fade = ema_fades[(number / EMA_WALKS) % EMA_FADES];
     law.walk = ema_walks[number % EMA_WALKS];
     if (shape < EMA_POWERS) {
@@ -55,61 +74,100 @@ static ema_law_t ema_steady(uint32_t number)
     } else if (shape < (EMA_POWERS + EMA_GROWTHS)) {
         law.growth = ema_growths[shape - EMA_POWERS];
     } else {
-        law.pole = ema_poles[shape - (EMA_POWERS + EMA_GROWTHS)];
+        const uint32_t pole = shape - (EMA_POWERS + EMA_GROWTHS);
+        law.pole = ema_poles[pole];
+        law.order = (pole < EMA_POLES_FIRST) ? EMA_R(1.0) : EMA_R(2.0);
     }
     return law;
 }
 
-static ema_law_t ema_stalling(uint32_t number)
+/* So many ways there are of `count` among `of`. */
+static uint32_t ema_ways(uint32_t of, uint32_t count)
 {
-    uint32_t left = number;
-    uint32_t onset = 0U;
-    uint32_t stall = 1U;
-    /* so many ends has the stall that begins here */
-    while (left >= (EMA_PARTS - stall)) {
-        left -= EMA_PARTS - stall;
-        ++stall;
-        if (stall == EMA_PARTS) {
-            ++onset;
-            stall = onset + 1U;
-        }
+    uint32_t ways = 1U;
+    for (uint32_t k = 0U; k < count; ++k) {
+        /* none where there are fewer than count */
+        ways = (of > k) ? ((ways * (of - k)) / (k + 1U)) : 0U;
     }
-    const ema_law_t law = {ema_part(onset), ema_part(stall), ema_part(stall + 1U + left),
-                           EMA_R(1.0),      EMA_R(0.0),      EMA_R(0.0),
-                           EMA_R(0.0),      EMA_STALL_WALK,  EMA_STALLING_LOG};
+    return ways;
+}
+
+/* Even wear with an onset and `stalls` stalls: that way, by its number, of as many edges in order among parts + 1. */
+static ema_law_t ema_stalling(uint32_t number, uint32_t parts, uint32_t stalls, ema_real share_log)
+{
+    ema_law_t law = ema_plain(parts, share_log);
+    law.power = EMA_R(1.0);
+    uint32_t left = number;
+    uint32_t place = 0U;
+    const uint32_t edges = (2U * stalls) + 1U;
+    for (uint32_t k = 0U; k < edges; ++k) {
+        uint32_t ways = ema_ways(parts - place, edges - 1U - k);
+        while (left >= ways) {
+            left -= ways;
+            ++place;
+            ways = ema_ways(parts - place, edges - 1U - k);
+        }
+        const ema_real edge = (ema_real)place / law.parts;
+        if (k == 0U) {
+            law.onset = edge;
+        } else if ((k % 2U) == 1U) {
+            law.stall[k / 2U] = edge;
+        } else {
+            law.again[(k / 2U) - 1U] = edge;
+        }
+        ++place;
+    }
     return law;
 }
 
 ema_law_t ema_law_of(uint32_t number)
 {
     if (number < EMA_LAWS_STILL) {
-        ema_law_t law = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0),   EMA_R(0.0),
-                         EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_STILL_LOG};
+        ema_law_t law = ema_plain(EMA_PARTS_STEADY, EMA_STILL_LOG);
         law.fade = ema_fades[number];
         return law;
     }
     const uint32_t wearing = number - EMA_LAWS_STILL;
-    return (wearing < EMA_LAWS_STEADY) ? ema_steady(wearing) : ema_stalling(wearing - EMA_LAWS_STEADY);
+    if (wearing < EMA_LAWS_STEADY) {
+        return ema_steady(wearing);
+    }
+    const uint32_t stalling = wearing - EMA_LAWS_STEADY;
+    return (stalling < EMA_LAWS_ONCE)
+               ? ema_stalling(stalling, EMA_PARTS_ONCE, 1U, EMA_ONCE_LOG)
+               : ema_stalling(stalling - EMA_LAWS_ONCE, EMA_PARTS_TWICE, EMA_LAW_STALLS, EMA_TWICE_LOG);
 }
 
 ema_real ema_law_own_time(const ema_law_t* law, ema_real at)
 {
-    const ema_real gone = ema_max(at - law->onset, EMA_R(0.0));
-    return gone - ema_clamp(at - law->stall, EMA_R(0.0), law->again - law->stall);
+    ema_real gone = ema_max(at - law->onset, EMA_R(0.0));
+    for (uint32_t k = 0U; k < EMA_LAW_STALLS; ++k) {
+        gone -= ema_clamp(at - law->stall[k], EMA_R(0.0), law->again[k] - law->stall[k]);
+    }
+    return gone;
 }
 
-/* From half a twelfth before the edge to half a one behind it; one at the ends of the age is none. */
-static ema_real ema_edge_passed(ema_real edge, ema_real at)
+/* From half a part before the edge to half a one behind it; one at the ends of the age is none. */
+static ema_real ema_edge_passed(const ema_law_t* law, ema_real edge, ema_real at)
 {
     if (!(edge > EMA_R(0.0)) || !(edge < EMA_R(1.0))) {
         return EMA_R(0.0);
     }
-    return ema_clamp(((at - edge) * (ema_real)EMA_PARTS) + EMA_R(0.5), EMA_R(0.0), EMA_R(1.0));
+    return ema_clamp(((at - edge) * law->parts) + EMA_R(0.5), EMA_R(0.0), EMA_R(1.0));
 }
 
 ema_real ema_law_passed(const ema_law_t* law, ema_real at)
 {
-    return ema_edge_passed(law->onset, at) + ema_edge_passed(law->stall, at) + ema_edge_passed(law->again, at);
+    ema_real passed = ema_edge_passed(law, law->onset, at);
+    for (uint32_t k = 0U; k < EMA_LAW_STALLS; ++k) {
+        passed += ema_edge_passed(law, law->stall[k], at) + ema_edge_passed(law, law->again[k], at);
+    }
+    return passed;
+}
+
+/* (b / (b - u))^order - 1 by u / (b - u), so that nothing cancels. */
+static ema_real ema_towards_pole(ema_real order, ema_real over)
+{
+    return (order > EMA_R(1.0)) ? (over * (over + EMA_R(2.0))) : over;
 }
 
 ema_real ema_law_risen(const ema_law_t* law, ema_real own_time)
@@ -121,7 +179,8 @@ ema_real ema_law_risen(const ema_law_t* law, ema_real own_time)
         return (ema_exp(ema_min(law->growth * own_time, EMA_FAR)) - EMA_R(1.0)) / (ema_exp(law->growth) - EMA_R(1.0));
     }
     if (law->pole > EMA_R(0.0)) {
-        return own_time * ((law->pole - EMA_R(1.0)) / ema_max(law->pole - own_time, EMA_POLE_LEAST));
+        const ema_real over = own_time / ema_max(law->pole - own_time, EMA_POLE_LEAST);
+        return ema_towards_pole(law->order, over) / ema_towards_pole(law->order, EMA_R(1.0) / (law->pole - EMA_R(1.0)));
     }
     return (law->power > EMA_R(0.0)) ? ema_exp(law->power * ema_log(own_time)) : EMA_R(0.0);
 }
@@ -134,7 +193,9 @@ ema_real ema_law_rises(const ema_law_t* law, ema_real own_time)
     }
     if (law->pole > EMA_R(0.0)) {
         const ema_real left = law->pole - begun;
-        return law->pole * (law->pole - EMA_R(1.0)) / (left * left);
+        const ema_real steep = (law->order > EMA_R(1.0)) ? (EMA_R(2.0) * (law->pole / left)) : EMA_R(1.0);
+        return (steep * (law->pole / (left * left)))
+               / ema_towards_pole(law->order, EMA_R(1.0) / (law->pole - EMA_R(1.0)));
     }
     return law->power * ema_law_risen(law, begun) / begun;
 }
@@ -144,7 +205,8 @@ ema_real ema_law_faded(const ema_law_t* law, ema_real at)
     return (law->fade > EMA_R(0.0)) ? (ema_exp(-at / law->fade) - EMA_R(1.0)) : EMA_R(0.0);
 }
 
-bool ema_law_stalls(const ema_law_t* law)
+ema_real ema_law_stalled_for(const ema_law_t* law)
 {
-    return (law->stall < EMA_R(1.0)) && (law->again >= EMA_R(1.0));
+    const uint32_t last = (law->stall[1] < EMA_R(1.0)) ? 1U : 0U;
+    return (law->again[last] >= EMA_R(1.0)) ? (EMA_R(1.0) - law->stall[last]) : EMA_R(0.0);
 }

@@ -129,7 +129,7 @@ static void test_slices_change_no_bit(void)
 
 static void test_memory_is_bounded(void)
 {
-    TEST_ASSERT_TRUE((EMA_REAL64 != 0) || ((sizeof(ema_trend_t) <= 1024U) && (sizeof(ema_forecast_t) <= 512U)));
+    TEST_ASSERT_TRUE((EMA_REAL64 != 0) || ((sizeof(ema_trend_t) <= 1024U) && (sizeof(ema_forecast_t) <= 1024U)));
     wear(500U);
     TEST_ASSERT_EQUAL_UINT32(500U, kept.value.readings);
     kept.value.readings = 0x7FFFFFFEU;

@@ -28,8 +28,11 @@ static void test_laws_are_all_others_and_share_what_there_is(void)
         const double share = exp((double)laws[k].share_log);
         still += (k < EMA_LAWS_STILL) ? share : 0.0;
         wears += (k < EMA_LAWS_STILL) ? 0.0 : share;
-        TEST_ASSERT_TRUE((laws[k].onset < laws[k].stall) && (laws[k].stall <= laws[k].again)
-                         && (laws[k].again <= EMA_R(1.0)));
+        const ema_real edges[] = {laws[k].onset, laws[k].stall[0], laws[k].again[0], laws[k].stall[1], laws[k].again[1],
+                                  EMA_R(1.0)};
+        for (uint32_t edge = 1; edge < 6U; ++edge) {
+            TEST_ASSERT_TRUE((edges[edge - 1U] < edges[edge]) || (edges[edge - 1U] >= EMA_R(1.0)));
+        }
         for (uint32_t before = 0; before < k; ++before) {
             TEST_ASSERT_NOT_EQUAL(0, memcmp(&laws[k], &laws[before], sizeof laws[k]));
         }
@@ -37,31 +40,62 @@ static void test_laws_are_all_others_and_share_what_there_is(void)
     TEST_ASSERT_TRUE((fabs(still - 1.0) < 1e-5) && (fabs(wears - 1.0) < 1e-5));
 }
 
-static void test_wear_stalls_and_goes_on(void)
+/* Even wear from a quarter of the age on, with these two stalls. */
+static ema_law_t stalling(ema_real stall, ema_real again, ema_real second, ema_real again_second)
 {
-    const ema_law_t law = {EMA_R(0.25), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(0.0),
-                           EMA_R(0.0),  EMA_R(0.0), EMA_R(0.0),  EMA_R(0.0)};
-    const ema_real times[] = {EMA_R(0.0), EMA_R(0.25), EMA_R(0.375), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(2.0)};
-    const ema_real own[] = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.125), EMA_R(0.25), EMA_R(0.25), EMA_R(0.5), EMA_R(1.5)};
-    for (uint32_t k = 0; k < 7U; ++k) {
-        EMA_ASSERT_CLOSE(own[k], ema_law_own_time(&law, times[k]), 0.0, 0.0);
-    }
-    TEST_ASSERT_FALSE(ema_law_stalls(&law));
+    const ema_law_t law = {EMA_R(12.0),
+                           EMA_R(0.25),
+                           {stall, second},
+                           {again, again_second},
+                           EMA_R(1.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0),
+                           EMA_R(0.0)};
+    return law;
 }
 
-/* An edge goes by within the twelfth about it, and one at the ends of the age is none. */
+static void test_wear_stalls_and_goes_on(void)
+{
+    const ema_law_t law = stalling(EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(1.0));
+    const ema_law_t twice = stalling(EMA_R(0.375), EMA_R(0.5), EMA_R(0.625), EMA_R(0.75));
+    const ema_real times[] = {EMA_R(0.0), EMA_R(0.25), EMA_R(0.375), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(2.0)};
+    const ema_real own[] = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.125), EMA_R(0.25), EMA_R(0.25), EMA_R(0.5), EMA_R(1.5)};
+    const ema_real own_twice[] = {EMA_R(0.0),  EMA_R(0.0), EMA_R(0.125), EMA_R(0.125),
+                                  EMA_R(0.25), EMA_R(0.5), EMA_R(1.5)};
+    for (uint32_t k = 0; k < 7U; ++k) {
+        EMA_ASSERT_CLOSE(own[k], ema_law_own_time(&law, times[k]), 0.0, 0.0);
+        EMA_ASSERT_CLOSE(own_twice[k], ema_law_own_time(&twice, times[k]), 0.0, 0.0);
+    }
+    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_law_stalled_for(&law), 0.0, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_law_stalled_for(&twice), 0.0, 0.0);
+}
+
+/* A stall lasts that has no end within the age, the first or the second. */
+static void test_a_stall_that_lasts_has_been_since_it_began(void)
+{
+    const ema_law_t once = stalling(EMA_R(0.75), EMA_R(1.0), EMA_R(1.0), EMA_R(1.0));
+    const ema_law_t twice = stalling(EMA_R(0.375), EMA_R(0.5), EMA_R(0.625), EMA_R(1.0));
+    EMA_ASSERT_CLOSE(EMA_R(0.25), ema_law_stalled_for(&once), 0.0, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.375), ema_law_stalled_for(&twice), 0.0, 0.0);
+}
+
+/* An edge goes by within the part about it, and one at the ends of the age is none. */
 static void test_edges_go_by(void)
 {
-    const ema_law_t law = {EMA_R(0.25), EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(0.0),
-                           EMA_R(0.0),  EMA_R(0.0), EMA_R(0.0),  EMA_R(0.0)};
-    const ema_law_t none = {EMA_R(0.0), EMA_R(1.0), EMA_R(1.0), EMA_R(1.0), EMA_R(0.0),
-                            EMA_R(0.0), EMA_R(0.0), EMA_R(0.0), EMA_R(0.0)};
+    const ema_law_t law = stalling(EMA_R(0.5), EMA_R(0.75), EMA_R(1.0), EMA_R(1.0));
+    const ema_law_t twice = stalling(EMA_R(0.5), EMA_R(0.625), EMA_R(0.75), EMA_R(0.875));
+    ema_law_t none = stalling(EMA_R(1.0), EMA_R(1.0), EMA_R(1.0), EMA_R(1.0));
+    none.onset = EMA_R(0.0);
     const ema_real times[] = {EMA_R(0.0), EMA_R(0.2), EMA_R(0.25), EMA_R(0.3), EMA_R(0.5), EMA_R(1.0)};
     const ema_real passed[] = {EMA_R(0.0), EMA_R(0.0), EMA_R(0.5), EMA_R(1.0), EMA_R(1.5), EMA_R(3.0)};
     for (uint32_t k = 0; k < 6U; ++k) {
         EMA_ASSERT_CLOSE(passed[k], ema_law_passed(&law, times[k]), 0.0, 0.0);
         EMA_ASSERT_CLOSE(EMA_R(0.0), ema_law_passed(&none, times[k]), 0.0, 0.0);
     }
+    EMA_ASSERT_CLOSE(EMA_R(5.0), ema_law_passed(&twice, EMA_R(1.0)), 0.0, 0.0);
 }
 
 /* By the difference of what has risen. */
@@ -141,17 +175,18 @@ static void test_a_pace_that_changes(void)
         going[k] = (ema_ahead_time(k) >= EMA_R(0.1)) ? EMA_R(1.0) : EMA_R(0.0);
         none[k] = EMA_R(0.0);
     }
-    EMA_ASSERT_CLOSE(EMA_AHEAD_MOST, ema_ahead_time(EMA_FORECAST_TIMES - 1U), 0.0, 1e-6);
-    /* before any change it is as it was */
-    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(going, none, since, 20U), 1e-6, 0.0);
-    TEST_ASSERT_TRUE(ema_ahead_time(20U) < EMA_R(0.38));
+    EMA_ASSERT_CLOSE(EMA_AHEAD_MOST, ema_ahead_time(EMA_FORECAST_TIMES - 1U), 0.0, 1e-5);
+    /* before any change, the first of which comes after 0.13, it is as it was */
+    const uint32_t place = 36U;
+    TEST_ASSERT_TRUE((ema_ahead_time(place - 1U) > EMA_R(0.1)) && (ema_ahead_time(place) < EMA_R(0.13)));
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(going, none, since, place), 1e-6, 0.0);
     EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(going, going, since, 0U), 0.0, 0.0);
     /* what is stalled goes on later, one quarter at a time, the sooner the shorter it has been, and in the end all is
      * there */
-    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(none, going, since, 17U), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(0.25), ema_ahead_share(none, going, since, 20U), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(0.5), ema_ahead_share(none, going, EMA_R(0.1), 20U), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, EMA_R(0.0), 20U), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(none, going, since, place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.25), ema_ahead_share(none, going, EMA_R(0.1), place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.5), ema_ahead_share(none, going, EMA_R(0.05), place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, EMA_R(0.0), place), 1e-6, 0.0);
     EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, since, EMA_FORECAST_TIMES - 1U), 1e-6, 0.0);
 }
 
@@ -160,6 +195,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_laws_are_all_others_and_share_what_there_is);
     RUN_TEST(test_wear_stalls_and_goes_on);
+    RUN_TEST(test_a_stall_that_lasts_has_been_since_it_began);
     RUN_TEST(test_edges_go_by);
     RUN_TEST(test_rates_are_those_of_what_rises);
     RUN_TEST(test_one_law_is_least_squares_with_a_prior);

@@ -14,9 +14,9 @@ from ema_tools.base.arrays import Reals
 from ema_tools.fit.laws import Known, Laws
 
 MOST = 20.0  # ages ahead that are looked at; what comes later is open [layout]
-_TIMES = 40  # in them [layout]
-_FIRST = 1e-3  # of an age: the first of them behind zero [layout]
-_CHANGES = 0.35  # changes of pace in one age [judgement]
+_TIMES = 80  # in them [layout]
+_FIRST = 2e-3  # of an age: the first of them behind zero [layout]
+_CHANGES = 1.0  # changes of pace in one age [judgement]
 _PARTS = 4  # of the times of a change, as likely [precision]
 _STALLS = 0.25  # share of the changes of pace that stall it [judgement]
 _TO_COME = 0.3  # ages that a stall to come is taken to have lasted, as far as its end is concerned [judgement]

@@ -16,15 +16,16 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.fit.kept import Knots
 
-_PARTS = 12  # places of onsets and stalls [precision]
-_POWERS = (0.7, 1.0, 1.6)  # of the time in which wear went on [judgement]
-_GROWTHS = (2.0, 5.0)  # e-foldings of wear in one age, where its rate rises with what has worn [judgement]
-_POLES = (2.4, 1.5, 1.25)  # ages after which it would be without bound, where its rate rises with the square of what has worn [judgement]
+_PARTS = 8  # places of onsets, and of the edges of two stalls [precision]
+_PARTS_ONCE = 16  # of the edges of one stall [precision]
+_POWERS = (0.7, 1.0)  # of the time in which wear went on [judgement]
+_GROWTHS = (0.7, 1.1, 1.5, 2.0, 2.5, 3.2, 4.5)  # e-foldings of wear in one age, where its rate rises with what has worn [judgement]
+_POLES = (3.0, 2.2, 1.8, 1.6, 1.4, 1.25, 1.15, 1.07)  # ages after which it would be without bound, where its rate rises with the square of what has worn [judgement]
+_POLES_TWO = (6.0, 4.0, 3.0, 2.5, 2.1, 1.8, 1.6, 1.4, 1.25, 1.15)  # the same where it rises with its power of 3 / 2 [judgement]
 _FADES = (0.0, 0.1)  # time in which grease runs in; 0 is none [judgement]
 _WALKS = (0.0, 0.04, 0.2)  # what the walk comes to over the age [judgement]
-_STALL_WALK = 0.04  # the same beside a stall [judgement]
-_STALLING = 0.25  # share of the laws that stall [judgement]
-_EDGE = 0.02  # standard deviation of the level over an onset or an end of a stall: they stand at twelfths, and what wears until one is there is a step [judgement]
+_STALLING = 0.125  # share of the laws that stall once, and of those that do twice [judgement]
+_EDGE = 0.24  # standard deviation of the level over an onset or an end of a stall, times the parts: what wears until one is there is a step [judgement]
 _PRIOR = np.array([0.2, 0.4, 0.2])  # level, rate over one age and fading part: one standard deviation [judgement]
 _FAR = 20.0  # e-foldings beyond which it does not matter how far beyond the limit [layout]
 _POLE_LEAST = 0.001  # of an age: nearer to a pole it does not matter any more, either [layout]
@@ -33,14 +34,19 @@ _BEGUN = 0.001  # of an age, from which on the rate is told of wear that begins 
 
 @dataclass(frozen=True)
 class Laws:
-    """Every law, [laws]: onset, stall and going on again (both 1 for none; again 1 for one that lasts), shape (power, e-foldings or pole, 0 for none of these), fading time, walk, prior share."""
+    """Every law, [laws]: parts at whose ends its edges stand, onset, stalls and going on again [laws, 2] (both 1 for none; again 1 for one that lasts), shape, fading time, walk, prior share.
 
+    The shape is a power, e-foldings or a pole and its order (1 where the rate rises with the square, 2 with the power of 3 / 2), 0 for none of these.
+    """
+
+    parts: Reals
     onset: Reals
     stall: Reals
     again: Reals
     power: Reals
     growth: Reals
     pole: Reals
+    order: Reals
     fade: Reals
     walk: Reals
     share: Reals
@@ -51,20 +57,22 @@ class Laws:
         return np.asarray(self.power + self.growth + self.pole == 0.0)
 
     @property
-    def stalls(self) -> np.ndarray:
-        """Those that are stalled at the last reading."""
-        return np.asarray((self.stall < 1.0) & (self.again >= 1.0))
+    def stalled_for(self) -> Reals:
+        """For how long each is stalled at the last reading; 0 for those that go on."""
+        return np.max(np.where(self.again >= 1.0, 1.0 - self.stall, 0.0), axis=1)
 
     def own_time(self, at: Reals) -> Reals:
         """Time in which wear went on until `at` [times], [laws, times]."""
-        gone = np.maximum(at[None, :] - self.onset[:, None], 0.0)
-        return gone - np.clip(at[None, :] - self.stall[:, None], 0.0, (self.again - self.stall)[:, None])
+        lost = np.clip(at - self.stall[:, :, None], 0.0, (self.again - self.stall)[:, :, None])
+        return np.maximum(at[None, :] - self.onset[:, None], 0.0) - lost.sum(axis=1)
 
     def passed(self, at: Reals) -> list[Reals]:
-        """How much of onset, stall and its end has gone by at each of `at` [times], spread over the twelfth about it, [laws, times] each; 0 of one at the ends of the age."""
+        """How much of onset, stalls and their ends has gone by at each of `at` [times], spread over the part about it, [laws, times] each; 0 of one at the ends of the age."""
+        parts = self.parts[:, None]
+        edges = (self.onset, *self.stall.T, *self.again.T)
         return [
-            np.where((edge > 0.0) & (edge < 1.0), np.clip(_PARTS * (at[None, :] - edge) + 0.5, 0.0, 1.0), 0.0)
-            for edge in (one[:, None] for one in (self.onset, self.stall, self.again))
+            np.where((edge > 0.0) & (edge < 1.0), np.clip(parts * (at[None, :] - edge) + 0.5, 0.0, 1.0), 0.0)
+            for edge in (one[:, None] for one in edges)
         ]
 
     def risen(self, own_time: Reals) -> Reals:
@@ -74,8 +82,9 @@ class Laws:
         found[by_power] = own_time[by_power] ** self.power[by_power, None]
         growth = self.growth[by_growth, None]
         found[by_growth] = np.expm1(np.minimum(growth * own_time[by_growth], _FAR)) / np.expm1(growth)
-        pole, own = self.pole[by_pole, None], own_time[by_pole]
-        found[by_pole] = (pole - 1.0) * own / np.maximum(pole - own, _POLE_LEAST)
+        pole, order, own = self.pole[by_pole, None], self.order[by_pole, None], own_time[by_pole]
+        over = own / np.maximum(pole - own, _POLE_LEAST)
+        found[by_pole] = ((1.0 + over) ** order - 1.0) / ((pole / (pole - 1.0)) ** order - 1.0)
         return found
 
     def rises(self, own_time: Reals) -> Reals:
@@ -83,9 +92,10 @@ class Laws:
         begun = np.maximum(own_time, _BEGUN)
         found = self.power * begun ** (self.power - 1.0)
         by_growth, by_pole = self.growth > 0.0, self.pole > 0.0
-        growth, pole = self.growth[by_growth], self.pole[by_pole]
+        growth, pole, order = self.growth[by_growth], self.pole[by_pole], self.order[by_pole]
         found[by_growth] = growth * np.exp(growth * begun[by_growth]) / np.expm1(growth)
-        found[by_pole] = pole * (pole - 1.0) / (pole - begun[by_pole]) ** 2
+        left = pole - begun[by_pole]
+        found[by_pole] = order / left * (pole / left) ** order / ((pole / (pole - 1.0)) ** order - 1.0)
         return found
 
     def faded(self, at: Reals) -> Reals:
@@ -96,19 +106,31 @@ class Laws:
 
 @functools.cache
 def all_laws() -> Laws:
-    """Those that do not wear, those that do steadily, and those that stall; the last two share what wears."""
-    still = [(0.0, 1.0, 1.0, 0.0, 0.0, 0.0, fade, 0.0) for fade in _FADES]
-    onsets = [count / _PARTS for count in range(_PARTS)]
-    shapes = [*((one, 0.0, 0.0) for one in _POWERS), *((0.0, one, 0.0) for one in _GROWTHS), *((0.0, 0.0, one) for one in _POLES)]
-    steady = [(onset, 1.0, 1.0, *shape, fade, walk) for onset, shape, fade, walk in itertools.product(onsets, shapes, _FADES, _WALKS)]
-    stalling = [
-        (onset / _PARTS, stall / _PARTS, again / _PARTS, 1.0, 0.0, 0.0, 0.0, _STALL_WALK)
-        for onset, stall, again in itertools.combinations(range(_PARTS + 1), 3)
+    """Those that do not wear, those that do steadily, and those that stall once or twice; the last three share what wears."""
+    shapes = [
+        *((one, 0.0, 0.0, 0.0) for one in _POWERS),
+        *((0.0, one, 0.0, 0.0) for one in _GROWTHS),
+        *((0.0, 0.0, one, 1.0) for one in _POLES),
+        *((0.0, 0.0, one, 2.0) for one in _POLES_TWO),
     ]
-    kinds = ((still, 1.0), (steady, 1.0 - _STALLING), (stalling, _STALLING))
+    never = (1.0, 1.0, 1.0, 1.0)
+    still = [(_PARTS, 0.0, *never, 0.0, 0.0, 0.0, 0.0, fade, 0.0) for fade in _FADES]
+    steady = [
+        (_PARTS, count / _PARTS, *never, *shape, fade, walk)
+        for count, shape, fade, walk in itertools.product(range(_PARTS), shapes, _FADES, _WALKS)
+    ]
+    once, twice = (
+        [
+            (parts, edges[0], *edges[1:], *never[len(edges) - 1 :], 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+            for edges in itertools.combinations(np.arange(parts + 1) / parts, count)
+        ]
+        for parts, count in ((_PARTS_ONCE, 3), (_PARTS, 5))
+    )
+    kinds = ((still, 1.0), (steady, 1.0 - 2.0 * _STALLING), (once, _STALLING), (twice, _STALLING))
     share = np.concatenate([np.full(len(one), part / len(one)) for one, part in kinds])
-    onset, stall, again, power, growth, pole, fade, walk = np.array([*still, *steady, *stalling]).T
-    return Laws(onset, stall, again, power, growth, pole, fade, walk, share)
+    parts, onset, stall, again, second, again_second, power, growth, pole, order, fade, walk = np.array([*still, *steady, *once, *twice]).T
+    stalls = np.stack([stall, second], axis=1), np.stack([again, again_second], axis=1)
+    return Laws(parts, onset, *stalls, power, growth, pole, order, fade, walk, share)
 
 
 @dataclass(frozen=True)
@@ -128,7 +150,7 @@ def known(laws: Laws, at: Reals, knots: Knots, limit: float) -> Known:
     scaled = bases * _PRIOR
     walks = laws.walk[:, None, None] ** 2 * np.minimum(own[:, :, None], own[:, None, :])
     for passed in laws.passed(at):
-        walks += _EDGE**2 * np.minimum(passed[:, :, None], passed[:, None, :])
+        walks += (_EDGE / laws.parts[:, None, None]) ** 2 * np.minimum(passed[:, :, None], passed[:, None, :])
     lower = np.linalg.cholesky(scaled @ scaled.transpose(0, 2, 1) + walks + np.diag((knots.std / limit) ** 2))
     # what is asked for together with the knots: level, rate, fading part, and the walk of the last one
     cross = np.concatenate([bases.transpose(0, 2, 1) * (_PRIOR**2)[None, :, None], walks[:, -1:, :]], axis=1)

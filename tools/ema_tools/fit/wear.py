@@ -74,11 +74,11 @@ def outlook(days: Reals, values: Reals, stds: Reals, limit: float, false_alarm: 
     own = laws.own_time(np.ones(1))[:, 0]
     now = states(laws, own[:, None])[:, 0, :]
     slope = np.zeros_like(now)
-    slope[:, 1] = np.where(laws.stalls, 0.0, laws.rises(own))
+    slope[:, 1] = np.where(laws.stalled_for > 0.0, 0.0, laws.rises(own))
     told = [_mixed(weight, np.sum(row * found.mean, axis=1), np.einsum("lk,lkm,lm->l", row, found.cov, row)) for row in (now, slope)]
     shares = reached(laws, found, own)
-    idle = weight * laws.stalls
-    stalled_for = float(idle @ (1.0 - laws.stall)) / max(float(idle.sum()), _IDLE_LEAST)
+    idle = weight * (laws.stalled_for > 0.0)
+    stalled_for = float(idle @ laws.stalled_for) / max(float(idle.sum()), _IDLE_LEAST)
     ahead = paced((weight - idle) @ shares, idle @ shares, stalled_for)
     low, median, high = (age * time_of(ahead, share) for share in (0.05, 0.5, 0.95))
     by = limit * float(weight @ (now[:, 1] * found.mean[:, 1]))

@@ -16,7 +16,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.library.definitions import library_function, library_path, open_library
 
-LAWS = 864  # of one forecast, as EMA_FORECAST_LAWS [layout]
+LAWS = 2104  # of one forecast, as EMA_FORECAST_LAWS [layout]
 
 
 class _Outlook(ctypes.Structure):
