@@ -9,7 +9,7 @@ import pytest
 
 from ema_tools.benchmarks.lives.document import Found, Still, document
 from ema_tools.benchmarks.lives.few_numbers import FewNumbers
-from ema_tools.benchmarks.lives.histories import FED, KINDS, LENGTHS, LIMIT, ONSETS, POWERS, STALLS, Draw, readings, wear_of
+from ema_tools.benchmarks.lives.histories import FED, HARDER, KINDS, LENGTHS, LIMIT, ONSETS, POWERS, STALLS, Draw, readings, wear_of
 from ema_tools.benchmarks.lives.ideal import ideal
 from ema_tools.benchmarks.lives.others import OTHER_KINDS, other_wear
 from ema_tools.benchmarks.lives.scores import Asked, Said, accuracy, cumulative, held, unfloored
@@ -90,23 +90,38 @@ def test_other_processes_reach_the_limit(kind: str) -> None:
         assert np.all(np.diff(wear) >= -1e-9)
 
 
-def test_a_milder_draw_changes_what_it_says_and_no_more() -> None:
+def test_another_draw_changes_what_it_says_and_no_more() -> None:
     """The unit stays the same in everything that is drawn before."""
     for seed, kind in enumerate(KINDS):
-        as_above, fewer = (wear_of(kind, np.random.default_rng(seed), draw) for draw in (Draw(), Draw(scatter=0.3, often=3.0)))
+        as_above, fewer = (wear_of(kind, np.random.default_rng(seed), draw) for draw in (Draw(), Draw(scatter=(0.3, 3.0), every=(9.0, 10.0))))
         assert np.array_equal(as_above[1], fewer[1]) and as_above[2] == fewer[2]
     random = np.random.default_rng
 
     def jumps(draw: Draw) -> int:
         """To the limit; grease that runs in falls, and does not count."""
         days, wear, end = wear_of("jumps", random(2), draw)
-        return int(np.count_nonzero(np.diff(wear[days <= end]) > 0.1))
+        return int(np.count_nonzero(np.diff(wear[days <= end]) > 0.05))
 
-    assert 2 <= jumps(Draw()) <= 30 < jumps(Draw(jumps=(60, 61)))
+    assert 2 <= jumps(Draw(jumps=(5, 20))) <= 30 < jumps(Draw(jumps=(60, 61)))
     days, wear, end = wear_of("even", random(2))
-    plain, exact = (readings(days, wear, end, random(5), draw) for draw in (Draw(), Draw(scatter=0.1)))
-    assert np.array_equal(plain[0], exact[0]) and exact[2] == pytest.approx(0.1 * plain[2])
-    assert readings(days, wear, end, random(5), Draw(often=3.0))[0].size > 2 * plain[0].size
+    plain, exact = (readings(days, wear, end, random(5), draw) for draw in (Draw(scatter=(1.0, 1.001)), Draw(scatter=(0.1, 0.1001))))
+    assert np.array_equal(plain[0], exact[0]) and exact[2] == pytest.approx(0.1 * plain[2], rel=1e-2)
+    assert readings(days, wear, end, random(5), Draw(every=(1.0, 1.1)))[0].size > 2 * plain[0].size
+
+
+def test_what_is_drawn_keeps_to_its_ranges() -> None:
+    """Scatter, days between readings and jumps to the limit lie where the document says, on both sides of their middle."""
+    stds, days_between = [], []
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        days, wear, end = wear_of(KINDS[seed % 4], random)
+        at, _, std = readings(days, wear, end, random)
+        stds.append(float(std[0]))
+        days_between.append(float(np.median(np.diff(at))))
+        assert at[-1] <= end
+    assert 0.1 <= min(stds) < 0.15 and 0.4 < max(stds) <= 0.5
+    assert 0.17 < np.median(stds) < 0.28
+    assert 1.0 < min(days_between) < 4.0 < max(days_between) < 9.0
 
 
 def test_the_document_says_what_was_found() -> None:
@@ -114,8 +129,9 @@ def test_the_document_says_what_was_found() -> None:
     others = [Asked(seed, OTHER_KINDS[seed % 4], 0.5, 100.0, None if seed == 0 else Said(80.0, 50.0, math.inf)) for seed in range(8)]
     found = Found([], [], [], [])
     found.add(Found(looks, looks, looks[:6], looks[:6]))
-    text = document(found, others, {"exact readings": looks}, [Still(False, False, False)] * 50, 8, 4)
-    assert "| exact readings | 100 % | 0.90 | 0.90 | 0.90 | 0.90 | 0.90 |" in text
+    text = document(found, looks[:6], others, {"exact readings": looks, HARDER: looks}, [Still(False, False, False)] * 50, 8, 4)
+    assert "| exact readings | 100 % | 0.90 |  | 0.90 | 0.90 | 0.90 | 0.90 |" in text
+    assert f"| {HARDER} | 100 % | 0.90 | 0.90 | 0.90 |" in text
     assert "| cumulative relative accuracy from half life on, of medians | >= 0.8 | yes | 0.90 | 0.90 | 0.90 | 0.90 |" in text
     assert "| 90 % intervals of the time to the limit that hold it | 85 .. 95 % | **no** | 100.0 % |" in text
     assert "--histories 8 --ideal 4" in text

@@ -26,6 +26,7 @@ _FADES = (0.0, 0.1)  # time in which grease runs in; 0 is none [judgement]
 _WALKS = (0.0, 0.04, 0.2)  # what the walk comes to over the age [judgement]
 _STALLING = 0.125  # share of the laws that stall once, and of those that do twice [judgement]
 _EDGE = 0.24  # standard deviation of the level over an onset or an end of a stall, times the parts: what wears until one is there is a step [judgement]
+_AT_ONCE = 64  # laws whose covariances are worked out together [effort]
 _PRIOR = np.array([0.2, 0.4, 0.2])  # level, rate over one age and fading part: one standard deviation [judgement]
 _FAR = 20.0  # e-foldings beyond which it does not matter how far beyond the limit [layout]
 _POLE_LEAST = 0.001  # of an age: nearer to a pole it does not matter any more, either [layout]
@@ -50,6 +51,10 @@ class Laws:
     fade: Reals
     walk: Reals
     share: Reals
+
+    def chosen(self, which: slice) -> Laws:
+        """Some of them."""
+        return Laws(**{name: one[which] for name, one in vars(self).items()})
 
     @property
     def still(self) -> np.ndarray:
@@ -143,14 +148,21 @@ class Known:
 
 
 def known(laws: Laws, at: Reals, knots: Knots, limit: float) -> Known:
-    """Each law by the knots, at their times `at` as shares of the age."""
+    """Each law by the knots, at their times `at` as shares of the age; some at a time, which stay in the processor's cache."""
+    count = laws.onset.size
+    parts = [_known(laws.chosen(slice(first, first + _AT_ONCE)), at, knots, limit) for first in range(0, count, _AT_ONCE)]
+    return Known(*(np.concatenate([getattr(one, name) for one in parts]) for name in ("evidence", "mean", "cov")))
+
+
+def _known(laws: Laws, at: Reals, knots: Knots, limit: float) -> Known:
     own = laws.own_time(at)
     ones = np.ones_like(own)
     bases = np.stack([ones, laws.risen(own), laws.faded(at)], axis=2)  # [laws, knots, 3]
     scaled = bases * _PRIOR
     walks = laws.walk[:, None, None] ** 2 * np.minimum(own[:, :, None], own[:, None, :])
     for passed in laws.passed(at):
-        walks += (_EDGE / laws.parts[:, None, None]) ** 2 * np.minimum(passed[:, :, None], passed[:, None, :])
+        if passed.any():
+            walks += (_EDGE / laws.parts[:, None, None]) ** 2 * np.minimum(passed[:, :, None], passed[:, None, :])
     lower = np.linalg.cholesky(scaled @ scaled.transpose(0, 2, 1) + walks + np.diag((knots.std / limit) ** 2))
     # what is asked for together with the knots: level, rate, fading part, and the walk of the last one
     cross = np.concatenate([bases.transpose(0, 2, 1) * (_PRIOR**2)[None, :, None], walks[:, -1:, :]], axis=1)

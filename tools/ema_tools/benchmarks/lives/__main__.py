@@ -13,8 +13,8 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.files import write_text
-from ema_tools.benchmarks.lives.document import Found, Still, document
-from ema_tools.benchmarks.lives.histories import GOALS, KINDS, LIMIT, LONG, MILDER, Draw, readings, wear_of
+from ema_tools.benchmarks.lives.document import ASKED_EVERY, Found, Still, document
+from ema_tools.benchmarks.lives.histories import AS_ABOVE, GOALS, HARDER, KINDS, LIMIT, LONG, OTHERWISE, Draw, readings, wear_of
 from ema_tools.benchmarks.lives.ideal import ideal
 from ema_tools.benchmarks.lives.others import OTHER_KINDS, other_wear
 from ema_tools.benchmarks.lives.scores import Asked, Said
@@ -62,31 +62,32 @@ def _unit(
     return _Unit(seed, kind, at, read, std, end, tuple(one for one in counts if one[1] > 0))
 
 
+def _drawn(seed: int, draw: Draw) -> _Unit:
+    return _unit(seed, KINDS, lambda kind, random: wear_of(kind, random, draw), np.random.default_rng(seed), draw)
+
+
 def history(seed: int) -> Found:
     """What desk and firmware say of one unit that wears."""
-    unit = _unit(seed, KINDS, wear_of, np.random.default_rng(seed))
+    unit = _drawn(seed, GOALS)
     desk = [unit.asked(place, _desk(unit, count)) for place, (_, count) in enumerate(unit.looks)]
     return Found(desk, _onboard(unit), [], [])
 
 
-def observed(seed: int) -> Found:
-    """What the ideal observer says of it."""
-    unit = _unit(seed, KINDS, wear_of, np.random.default_rng(seed))
+def observed(name: str, seed: int) -> Found:
+    """What the ideal observer says of it, drawn by a name of OTHERWISE."""
+    draw = OTHERWISE[name]
+    unit = _drawn(seed, draw)
     looks = [place for place, (_, count) in enumerate(unit.looks) if count >= READINGS_LEAST]
-    told = (
-        ideal(unit.days, unit.values, unit.stds, [unit.looks[place][1] for place in looks], np.random.default_rng(_DRAWING + seed))
-        if looks
-        else []
-    )
+    random = np.random.default_rng(_DRAWING + seed)
+    told = ideal(unit.days, unit.values, unit.stds, [unit.looks[place][1] for place in looks], random, draw) if looks else []
     both = list(zip(looks, told, strict=True))
     said = [unit.asked(place, one.said) for place, one in both]
     return Found([], [], said, [unit.asked(place, Said(one.sharpest, one.said.low, one.said.high)) for place, one in both])
 
 
-def milder(name: str, seed: int) -> list[Asked]:
-    """What firmware says of the same unit drawn otherwise, by a name of MILDER."""
-    draw = MILDER[name]
-    return _onboard(_unit(seed, KINDS, lambda kind, random: wear_of(kind, random, draw), np.random.default_rng(seed), draw))
+def otherwise(name: str, seed: int) -> list[Asked]:
+    """What firmware says of the same unit drawn otherwise, by a name of OTHERWISE."""
+    return _onboard(_drawn(seed, OTHERWISE[name]))
 
 
 def other(seed: int) -> list[Asked]:
@@ -115,7 +116,7 @@ def still(seed: int) -> Still:
     desk = outlook(at, read, std, LIMIT, _FALSE_ALARM)
     if desk is None:
         return Still(False, False, False)
-    onboard = [one.drifts for one in onboard_outlooks(at, read, std, LIMIT, range(READINGS_LEAST, at.size + 1), _FALSE_ALARM)]
+    onboard = [one.drifts for one in onboard_outlooks(at, read, std, LIMIT, [*range(READINGS_LEAST, at.size, ASKED_EVERY), at.size], _FALSE_ALARM)]
     return Still(desk.drift.changed, onboard[-1], any(onboard))
 
 
@@ -136,28 +137,32 @@ def still(seed: int) -> Still:
 @click.option("-o", "--output", "out", type=click.Path(path_type=Path), help="The document.")
 def main(histories: int, ideals: int | None, out: Path | None) -> None:
     """Foretell the remaining life of units whose wear is known, and say how often it was right."""
-    found = Found([], [], [], [])
+    found, harder = Found([], [], [], []), Found([], [], [], [])
     others: list[Asked] = []
-    milder_ones: dict[str, list[Asked]] = {name: [] for name in MILDER}
+    otherwise_ones: dict[str, list[Asked]] = {name: [] for name in OTHERWISE}
     alarms: list[Still] = []
     ideals = min(histories, ideals if ideals is not None else max(4, histories // 4))
-    with ProcessPoolExecutor() as pool, progress("histories", (3 + len(MILDER)) * histories + ideals) as bar:
+    with ProcessPoolExecutor() as pool, progress("histories", (3 + len(OTHERWISE)) * histories + 2 * ideals) as bar:
         done = 0
-        for work, count in ((history, histories), (observed, ideals)):
+        for work, count, into in (
+            (history, histories, found),
+            (partial(observed, AS_ABOVE), ideals, found),
+            (partial(observed, HARDER), ideals, harder),
+        ):
             for one in pool.map(work, range(count)):
-                found.add(one)
+                into.add(one)
                 bar.update(done := done + 1)
         for asked in pool.map(other, range(histories), chunksize=16):
             others += asked
             bar.update(done := done + 1)
-        for name, some in milder_ones.items():
-            for asked in pool.map(partial(milder, name), range(histories), chunksize=16):
+        for name, some in otherwise_ones.items():
+            for asked in pool.map(partial(otherwise, name), range(histories), chunksize=16):
                 some.extend(asked)
                 bar.update(done := done + 1)
         for alarm in pool.map(still, range(histories), chunksize=16):
             alarms.append(alarm)
             bar.update(done := done + 1)
-    text = document(found, others, milder_ones, alarms, histories, ideals)
+    text = document(found, harder.ideal, others, otherwise_ones, alarms, histories, ideals)
     if out is None:
         click.echo(text)
     else:

@@ -1,8 +1,10 @@
 """Histories of units that wear by no law of the library, and of units that do not, as the benchmark of remaining life draws them.
 
 Histories are of four kinds: even wear, wear that feeds on itself (its rate a power of what has worn, integrated), wear in jumps of random size at random times, and wear that stalls and goes
-on; some begin with grease that runs in. Readings scatter with heavy tails (Student, 4 degrees of freedom), by a size that is stated a tenth too small, and flights are missing in runs. Units
-that do not wear are drawn beside them.
+on; some begin with grease that runs in. A ground test comes every few days, and flights are missing in runs. Readings scatter with heavy tails (Student, 4 degrees of freedom), by a size that is
+stated a tenth too small: between what BLK and CSJ scatter by from day to day over their limits, as measured on units of the truth plant (VERDICTS.md, usual scatter: 0.2 % where the limit is 100 %,
+0.5 % where it is 50 %). Jumps are from 5 to the limit to as many as would each be as small as that scatter, by the logarithm: with fewer no reading tells of when, and more are even wear. Units that
+do not wear are drawn beside them.
 """
 
 from __future__ import annotations
@@ -23,32 +25,38 @@ ONSETS = (0.0, 300.0)  # days before wear begins [judgement]
 LENGTHS = (400.0, 1500.0)  # days from there to the limit, but for stalls and chance [judgement]
 FED = 10.0  # % of wear by which the rate of wear that feeds on itself has doubled, were its power 1 [judgement]
 POWERS = (0.5, 2.0)  # of what has worn, by which the rate of wear that feeds on itself rises [judgement]
-JUMPS = (5, 20)  # to the limit: at least, and fewer than [judgement]
+JUMPS = (5, 80)  # to the limit: at least, and fewer than, by the logarithm [judgement]
 STALLS = (0.2, 0.8)  # of the length: when wear stalls, and how long [judgement]
 GREASED = 0.3  # share of the units whose grease runs in [judgement]
 GREASES = (1.0, 4.0)  # % by which it falls [judgement]
 FADES = (20.0, 80.0)  # days in which [judgement]
 
 
+SCATTERS = (0.1, 0.5)  # % by which readings scatter, by the logarithm: BLK's 0.21 % of a limit of 100 %, and CSJ's 0.50 % (docs/VERDICTS.md) [measured]
+HARSH_SCATTERS = (0.35, 2.7)  # the same of days of four times the scatter and +-8 degC: BLK's 0.70 %, and CSJ's 2.7 % [measured]
+EVERY = (2.0, 8.0)  # days from one ground test to the next, on the average of a unit [judgement]
+
+
 @dataclass(frozen=True)
 class Draw:
-    """What of the drawing the accuracy may hang on: jumps to the limit, stalls, and the readings' scatter and number, as multiples."""
+    """What of the drawing the accuracy may hang on: jumps to the limit, stalls, the readings' scatter in % and days between them."""
 
     jumps: tuple[int, int] = JUMPS
     stalls: tuple[float, float] = STALLS
-    scatter: float = 1.0
-    often: float = 1.0
+    scatter: tuple[float, float] = SCATTERS
+    every: tuple[float, float] = EVERY
 
 
 GOALS = Draw()  # what the goals are stated for
-# The same with one thing milder, and with all of it [judgement]
-MILDER: Mapping[str, Draw] = {
-    "as above": GOALS,
-    "readings that scatter a third as far": Draw(scatter=1.0 / 3.0),
-    "readings three times as often": Draw(often=3.0),
-    "20 to 79 jumps to the limit instead of 5 to 19": Draw(jumps=(20, 80)),
+AS_ABOVE, HARDER = "as above", "5 .. 19 jumps, every 6 .. 25 days, scatter 0.4 .. 1.5 %"
+# The same with one thing otherwise, and with three that are harder, of which the ideal observer is asked, too [judgement]
+OTHERWISE: Mapping[str, Draw] = {
+    AS_ABOVE: GOALS,
+    "scatter of harsh days, 0.35 .. 2.7 %": Draw(scatter=HARSH_SCATTERS),
+    "readings a third as often, every 6 .. 25 days": Draw(every=(6.0, 25.0)),
+    "5 .. 19 jumps to the limit": Draw(jumps=(5, 20)),
     "stalls of a tenth to three tenths of the length": Draw(stalls=(0.1, 0.3)),
-    "a third of the scatter, more jumps and shorter stalls": Draw((20, 80), (0.1, 0.3), 1.0 / 3.0),
+    HARDER: Draw((5, 20), STALLS, (0.4, 1.5), (6.0, 25.0)),
 }
 
 
@@ -80,7 +88,7 @@ def _feeding(gone: Reals, length: float, exponent: float) -> Reals:
 
 def _jumps(days: Reals, onset: float, length: float, to_limit: tuple[int, int], random: np.random.Generator) -> Reals:
     """Jumps at random times, as many as make the limit in about `length` days, of sizes that vary by their own mean."""
-    jumps = int(random.integers(*to_limit))
+    jumps = int(by_logarithm(to_limit, random))
     count = int(4 * jumps * LONG / length)
     at = onset + np.cumsum(random.exponential(length / jumps, count))
     size = random.gamma(2.0, 0.5 * LIMIT / jumps, count)
@@ -98,12 +106,19 @@ def _stalls(gone: Reals, length: float, stalls: tuple[float, float], random: np.
 
 def readings(days: Reals, wear: Reals, until: float, random: np.random.Generator, draw: Draw = GOALS) -> tuple[Reals, Reals, Reals]:
     """Days, readings in % and the standard errors that are stated, with missing flights in runs."""
-    at = np.cumsum(random.gamma(2.0, 0.5 / draw.often * random.uniform(6.0, 25.0), int(4000 * draw.often)))
+    mean = random.uniform(*draw.every)
+    at = np.cumsum(random.gamma(2.0, 0.5 * mean, int(2.0 * LONG / mean)))
+    at = at[at <= until]
     kept = np.ones(at.size, dtype=bool)
     for _ in range(int(random.integers(0, 4))):
-        start = int(random.integers(0, 60))
+        start = int(random.integers(0, at.size + 1))
         kept[start : start + int(random.integers(2, 10))] = False
-    at = at[kept & (at <= until)]
-    std = draw.scatter * random.uniform(0.4, 1.5)
+    at = at[kept]
+    std = by_logarithm(draw.scatter, random)
     scatter = UNDERSTATED * std * random.standard_t(4, at.size) / math.sqrt(2.0)
     return at, np.interp(at, days, wear) + scatter, np.full(at.size, std)
+
+
+def by_logarithm(ends: tuple[float, float], random: np.random.Generator) -> float:
+    """A number between two ends, as likely in each of their decades."""
+    return math.exp(random.uniform(math.log(ends[0]), math.log(ends[1])))

@@ -15,7 +15,7 @@ from scipy import special
 
 from ema_tools.base.arrays import Reals
 from ema_tools.benchmarks.lives.few_numbers import FewNumbers
-from ema_tools.benchmarks.lives.histories import GREASED, UNDERSTATED
+from ema_tools.benchmarks.lives.histories import GOALS, GREASED, UNDERSTATED, Draw
 from ema_tools.benchmarks.lives.jumping import followed
 from ema_tools.benchmarks.lives.posterior import Looks, Posterior
 from ema_tools.benchmarks.lives.scores import Said
@@ -34,10 +34,10 @@ class IdealSaid:
     sharpest: float
 
 
-def ideal(days: Reals, values: Reals, stds: Reals, counts: Sequence[int], random: np.random.Generator) -> list[IdealSaid]:
-    """What is told after each of `counts` readings, in rising order, of `values` [n] in % on `days` [n] with the stated standard errors `stds` [n]."""
+def ideal(days: Reals, values: Reals, stds: Reals, counts: Sequence[int], random: np.random.Generator, draw: Draw = GOALS) -> list[IdealSaid]:
+    """What is told after each of `counts` readings, in rising order, of `values` [n] in % on `days` [n] with the stated standard errors `stds` [n]; the stalls are those of the goals."""
     looks = Looks(days, values, UNDERSTATED * stds / math.sqrt(2.0), counts)
-    kinds = [followed(looks, math.log(_KIND), random)]
+    kinds = [followed(looks, draw.jumps, math.log(_KIND), random)]
     for kind, stalls, part in _FAMILIES:
         for greased in (False, True):
             prior = _KIND * part * (GREASED if greased else 1.0 - GREASED)

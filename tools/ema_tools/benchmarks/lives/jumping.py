@@ -12,14 +12,15 @@ import numpy as np
 from scipy import special
 
 from ema_tools.base.arrays import Reals
-from ema_tools.benchmarks.lives.histories import FADES, GREASED, GREASES, JUMPS, LENGTHS, LIMIT, ONSETS
+from ema_tools.benchmarks.lives.histories import FADES, GREASED, GREASES, LENGTHS, LIMIT, ONSETS
 from ema_tools.benchmarks.lives.posterior import DEGREES, Looks, Posterior, between
 
 _PARTICLES = 4000  # that follow jumps [effort]
 _LENGTH_GRID = 12  # lengths among which a particle draws anew [precision]
 _FUTURES = 1500  # of the particles whose future is drawn [effort]
-_FUTURE_JUMPS = 60  # at most ahead [effort]
-_PROPOSED = np.array([0.5, 0.35, 0.1, 0.05])  # chances of 0 .. 3 jumps between two readings, as tried [effort]
+_JUMP_GRID = 20  # ranges of their number among which it does [precision]
+_FUTURE_JUMPS = 240  # at most ahead [effort]
+_PROPOSED = np.array([0.5, 0.35, 0.1, 0.05])  # chances of 0 .. 3 jumps between two readings, as one half of the particles tries [effort]
 _AIM = 2.0  # scales of the scatter about what is read, by which half of the jumps are tried [effort]
 _JITTER = 0.02  # % by which copies of a particle part [effort]
 _LEFT = 0.5  # share of the particles that still count, below which they are drawn anew [effort]
@@ -45,8 +46,8 @@ class JumpPaths:
         return self.level + self.grease * np.expm1(-day / self.fade)
 
 
-def followed(looks: Looks, log_prior: float, random: np.random.Generator) -> list[Posterior]:
-    """The jumps' posterior at each look."""
+def followed(looks: Looks, to_limit: tuple[int, int], log_prior: float, random: np.random.Generator) -> list[Posterior]:
+    """The posterior at each look of jumps of which so many go to the limit."""
     count = _PARTICLES
     greased = random.random(count) < GREASED
     paths = JumpPaths(
@@ -54,7 +55,7 @@ def followed(looks: Looks, log_prior: float, random: np.random.Generator) -> lis
         np.zeros(count),
         np.zeros(count),
         random.uniform(*ONSETS, count),
-        random.integers(*JUMPS, count).astype(np.float64),
+        np.floor(np.exp(random.uniform(*np.log(to_limit), count))),
         random.uniform(*LENGTHS, count),
         np.where(greased, random.uniform(*GREASES, count), 0.0),
         random.uniform(*FADES, count),
@@ -74,21 +75,22 @@ def followed(looks: Looks, log_prior: float, random: np.random.Generator) -> lis
             which = np.searchsorted(np.cumsum(share) / share.sum(), (np.arange(count) + random.random()) / count)
             paths = paths.chosen(np.minimum(which, count - 1))
             weight = np.zeros(count)
-            _renewed(paths, random)
+            _renewed(paths, to_limit, random)
         if place in looks.counts:
             found.append(Posterior(_future(paths, before, random), log))
     return found
 
 
 def _jumped(paths: JumpPaths, before: float, day: float, value: float, scale: float, random: np.random.Generator) -> Reals:
-    """Moves the particles to `day`: half of them jump, half of those to about what is read; returns the logarithm of how much likelier it was than drawn so, [particles]."""
+    """Moves the particles to `day`: half of them jump as they would by themselves, half of the jumps are to about what is read; returns the logarithm of how much likelier it was than drawn so, [particles]."""
     count = paths.level.size
     open_days = np.maximum(day - np.maximum(before, paths.onset), 0.0)
     mean = paths.jumps / paths.length * open_days
-    jumps = random.choice([0, 1, 2, 3], count, p=_PROPOSED)
+    jumps = np.where(random.random(count) < 0.5, random.choice(_PROPOSED.size, count, p=_PROPOSED), random.poisson(mean))
     jumps = np.where(open_days > 0.0, jumps, 0)
-    proposed = np.where(open_days > 0.0, _PROPOSED[jumps], 1.0)
-    log = -mean + np.where(jumps > 0, jumps * np.log(np.maximum(mean, 1e-300)), 0.0) - special.gammaln(jumps + 1.0) - np.log(proposed)
+    chance = -mean + np.where(jumps > 0, jumps * np.log(np.maximum(mean, 1e-300)), 0.0) - special.gammaln(jumps + 1.0)
+    tried = np.where(jumps < _PROPOSED.size, _PROPOSED[np.minimum(jumps, _PROPOSED.size - 1)], 0.0)
+    log = np.where(open_days > 0.0, chance - np.log(0.5 * tried + 0.5 * np.exp(chance)), 0.0)
     shape, width = 2.0 * np.maximum(jumps, 1), 0.5 * LIMIT / paths.jumps
     aimed = random.random(count) < 0.5
     aim = value - paths.value(day)
@@ -105,15 +107,17 @@ def _jumped(paths: JumpPaths, before: float, day: float, value: float, scale: fl
     return log
 
 
-def _renewed(paths: JumpPaths, random: np.random.Generator) -> None:
+def _renewed(paths: JumpPaths, to_limit: tuple[int, int], random: np.random.Generator) -> None:
     """Number and length of each particle drawn anew from what it has seen of them; the level jitters so that copies part."""
-    jumps = np.arange(*JUMPS, dtype=np.float64)[:, None]
+    ends = np.unique(np.floor(np.geomspace(*to_limit, _JUMP_GRID + 1)))
+    jumps = (0.5 * (ends[1:] + ends[:-1] - 1.0))[:, None]  # the middle of the whole numbers of a range
     length = between(LENGTHS, (np.arange(_LENGTH_GRID)[None, :] + 0.5) / _LENGTH_GRID)
     rate, width = (jumps / length).ravel(), np.broadcast_to(0.5 * LIMIT / jumps, (jumps.size, _LENGTH_GRID)).ravel()
     log = (
         paths.seen[:, None] * (np.log(rate) - 2.0 * np.log(width))[None, :]
         - paths.exposed[:, None] * rate[None, :]
         - paths.level[:, None] / width[None, :]
+        + np.repeat(np.log(np.log(ends[1:] / ends[:-1])), _LENGTH_GRID)[None, :]
     )
     drawn = np.argmax(log + random.gumbel(size=log.shape), axis=1)
     paths.jumps = np.broadcast_to(jumps, (jumps.size, _LENGTH_GRID)).ravel()[drawn]

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.benchmarks.lives.histories import LIMIT, LONG
+from ema_tools.benchmarks.lives.histories import LIMIT, LONG, by_logarithm
 
 OTHER_KINDS = ("crack growth", "saturating", "changing rate", "gamma process")
 _STARTS_AT_ONCE = 0.3  # share of the units that wear from the first day on [judgement]
@@ -29,7 +29,7 @@ def other_wear(kind: str, random: np.random.Generator) -> tuple[Reals, Reals, fl
     days = np.arange(0.0, LONG)
     while True:
         onset = 0.0 if random.random() < _STARTS_AT_ONCE else random.uniform(0.0, _ONSET)
-        length = _by_logarithm(_LENGTHS, random)
+        length = by_logarithm(_LENGTHS, random)
         gone = np.maximum(days - onset, 0.0) / length
         if kind == "crack growth":
             wear = _crack(gone, random)
@@ -39,21 +39,17 @@ def other_wear(kind: str, random: np.random.Generator) -> tuple[Reals, Reals, fl
         elif kind == "changing rate":
             wear = _changing(gone, length, random)
         else:
-            shape = _by_logarithm(_SHAPES, random)
+            shape = by_logarithm(_SHAPES, random)
             wear = np.cumsum(random.gamma(shape, 1.0 / shape, days.size) * LIMIT / length * (gone > 0.0))
         if wear[-1] >= LIMIT:
             return days, wear, float(days[int(np.argmax(wear >= LIMIT))])
-
-
-def _by_logarithm(ends: tuple[float, float], random: np.random.Generator) -> float:
-    return math.exp(random.uniform(math.log(ends[0]), math.log(ends[1])))
 
 
 def _crack(gone: Reals, random: np.random.Generator) -> Reals:
     """d a = C a^(m / 2), which has grown by the limit after 1; in closed form."""
     rest = 1.0 - 0.5 * random.uniform(*_EXPONENTS)
     rest = rest if abs(rest) > 1e-3 else 1e-3
-    first = _by_logarithm(_CRACKS, random)
+    first = by_logarithm(_CRACKS, random)
     inner = first**rest + ((first + LIMIT) ** rest - first**rest) * gone
     grown: Reals = np.maximum(inner, _FAR ** min(rest, -1e-3)) ** (1.0 / rest) - first
     return np.minimum(grown, _FAR)
