@@ -9,7 +9,8 @@ _Static_assert(EMA_FORECAST_TIMES == 80U, "so many ratios are between them");
 
 /* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) */
 #define EMA_CHANGES 4U
-static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.13353139262452263), EMA_R(0.4700036292457356), EMA_R(0.9808292530117262), EMA_R(2.0794415416798357)};
+static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.13353139262452263), EMA_R(0.4700036292457356),
+                                                  EMA_R(0.9808292530117262), EMA_R(2.0794415416798357)};
 
 /* The time until a stall ends, over that since it began, by the same middles: (1 - (k + 1/2) / 4)^(-1/2) - 1. One that
  * is to come lasts as if it had gone on for EMA_TO_COME. */

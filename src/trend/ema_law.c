@@ -32,10 +32,9 @@ _Static_assert((EMA_LAWS_STILL + EMA_LAWS_STEADY + EMA_LAWS_ONCE + EMA_LAWS_TWIC
 static const ema_real ema_powers[EMA_POWERS] = {EMA_R(0.7), EMA_R(1.0)};
 static const ema_real ema_growths[EMA_GROWTHS] = {EMA_R(0.7), EMA_R(1.1), EMA_R(1.5), EMA_R(2.0),
                                                   EMA_R(2.5), EMA_R(3.2), EMA_R(4.5)};
-static const ema_real ema_poles[EMA_POLES] = {EMA_R(3.0),  EMA_R(2.2),  EMA_R(1.8),  EMA_R(1.6), EMA_R(1.4), EMA_R(1.25),
-                                              EMA_R(1.15), EMA_R(1.07), EMA_R(6.0),  EMA_R(4.0), EMA_R(3.0), EMA_R(2.5),
-                                              EMA_R(2.1),  EMA_R(1.8),  EMA_R(1.6),  EMA_R(1.4), EMA_R(1.25),
-                                              EMA_R(1.15)};
+static const ema_real ema_poles[EMA_POLES] = {
+    EMA_R(3.0), EMA_R(2.2), EMA_R(1.8), EMA_R(1.6), EMA_R(1.4), EMA_R(1.25), EMA_R(1.15), EMA_R(1.07), EMA_R(6.0),
+    EMA_R(4.0), EMA_R(3.0), EMA_R(2.5), EMA_R(2.1), EMA_R(1.8), EMA_R(1.6),  EMA_R(1.4),  EMA_R(1.25), EMA_R(1.15)};
 static const ema_real ema_fades[EMA_FADES] = {EMA_R(0.0), EMA_R(0.1)};
 static const ema_real ema_walks[EMA_WALKS] = {EMA_R(0.0), EMA_R(0.04), EMA_R(0.2)};
 
@@ -66,7 +65,8 @@ static ema_law_t ema_steady(uint32_t number)
 {
     const uint32_t shape = (number / (EMA_WALKS * EMA_FADES)) % EMA_SHAPES;
     ema_law_t law = ema_plain(EMA_PARTS_STEADY, EMA_STEADY_LOG);
-    law.onset = (ema_real)(number / (EMA_WALKS * EMA_FADES * EMA_SHAPES)) / law.parts;
+    const uint32_t onset = number / (EMA_WALKS * EMA_FADES * EMA_SHAPES);
+    law.onset = (ema_real)onset / law.parts;
     law.fade = ema_fades[(number / EMA_WALKS) % EMA_FADES];
     law.walk = ema_walks[number % EMA_WALKS];
     if (shape < EMA_POWERS) {
@@ -207,6 +207,11 @@ ema_real ema_law_faded(const ema_law_t* law, ema_real at)
 
 ema_real ema_law_stalled_for(const ema_law_t* law)
 {
-    const uint32_t last = (law->stall[1] < EMA_R(1.0)) ? 1U : 0U;
-    return (law->again[last] >= EMA_R(1.0)) ? (EMA_R(1.0) - law->stall[last]) : EMA_R(0.0);
+    ema_real since = EMA_R(0.0);
+    for (uint32_t k = 0U; k < EMA_LAW_STALLS; ++k) {
+        if (law->again[k] >= EMA_R(1.0)) {
+            since = ema_max(since, EMA_R(1.0) - law->stall[k]);
+        }
+    }
+    return since;
 }

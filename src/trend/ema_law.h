@@ -19,10 +19,10 @@ typedef struct {
     ema_real again[EMA_LAW_STALLS]; /* to here; 1 for one that lasts, and both 1 for none */
     ema_real power;                 /* of the time in which it went on; 0 for none */
     ema_real growth;                /* e-foldings in one of it, where wear feeds on itself; 0 for none */
-    ema_real pole;   /* such time after which it would be without bound, where it feeds on more of itself; 0 for none */
-    ema_real order;  /* of the pole: 1 where it feeds on its square, 2 on its power of 3 / 2 */
-    ema_real fade;      /* time in which grease runs in; 0 for none */
-    ema_real walk;      /* standard deviation of a random walk over one of it: steps and irregular wear */
+    ema_real pole;  /* such time after which it would be without bound, where it feeds on more of itself; 0 for none */
+    ema_real order; /* of the pole: 1 where it feeds on its square, 2 on its power of 3 / 2 */
+    ema_real fade;  /* time in which grease runs in; 0 for none */
+    ema_real walk;  /* standard deviation of a random walk over one of it: steps and irregular wear */
     ema_real share_log; /* logarithm of what it is given before the readings */
 } ema_law_t;
 

@@ -28,8 +28,8 @@ static void test_laws_are_all_others_and_share_what_there_is(void)
         const double share = exp((double)laws[k].share_log);
         still += (k < EMA_LAWS_STILL) ? share : 0.0;
         wears += (k < EMA_LAWS_STILL) ? 0.0 : share;
-        const ema_real edges[] = {laws[k].onset, laws[k].stall[0], laws[k].again[0], laws[k].stall[1], laws[k].again[1],
-                                  EMA_R(1.0)};
+        const ema_real edges[] = {laws[k].onset,    laws[k].stall[0], laws[k].again[0],
+                                  laws[k].stall[1], laws[k].again[1], EMA_R(1.0)};
         for (uint32_t edge = 1; edge < 6U; ++edge) {
             TEST_ASSERT_TRUE((edges[edge - 1U] < edges[edge]) || (edges[edge - 1U] >= EMA_R(1.0)));
         }
@@ -43,17 +43,9 @@ static void test_laws_are_all_others_and_share_what_there_is(void)
 /* Even wear from a quarter of the age on, with these two stalls. */
 static ema_law_t stalling(ema_real stall, ema_real again, ema_real second, ema_real again_second)
 {
-    const ema_law_t law = {EMA_R(12.0),
-                           EMA_R(0.25),
-                           {stall, second},
-                           {again, again_second},
-                           EMA_R(1.0),
-                           EMA_R(0.0),
-                           EMA_R(0.0),
-                           EMA_R(0.0),
-                           EMA_R(0.0),
-                           EMA_R(0.0),
-                           EMA_R(0.0)};
+    const ema_law_t law = {EMA_R(12.0), EMA_R(0.25), {stall, second}, {again, again_second},
+                           EMA_R(1.0),  EMA_R(0.0),  EMA_R(0.0),      EMA_R(0.0),
+                           EMA_R(0.0),  EMA_R(0.0),  EMA_R(0.0)};
     return law;
 }
 

@@ -93,7 +93,9 @@ def test_other_processes_reach_the_limit(kind: str) -> None:
 def test_another_draw_changes_what_it_says_and_no_more() -> None:
     """The unit stays the same in everything that is drawn before."""
     for seed, kind in enumerate(KINDS):
-        as_above, fewer = (wear_of(kind, np.random.default_rng(seed), draw) for draw in (Draw(), Draw(scatter=(0.3, 3.0), every=(9.0, 10.0))))
+        as_above, fewer = (
+            wear_of(kind, np.random.default_rng(seed), draw) for draw in (Draw(), Draw(scatter=(0.3, 3.0), every=(9.0, 10.0)))
+        )
         assert np.array_equal(as_above[1], fewer[1]) and as_above[2] == fewer[2]
     random = np.random.default_rng
 

@@ -20,7 +20,16 @@ _PARTS = 8  # places of onsets, and of the edges of two stalls [precision]
 _PARTS_ONCE = 16  # of the edges of one stall [precision]
 _POWERS = (0.7, 1.0)  # of the time in which wear went on [judgement]
 _GROWTHS = (0.7, 1.1, 1.5, 2.0, 2.5, 3.2, 4.5)  # e-foldings of wear in one age, where its rate rises with what has worn [judgement]
-_POLES = (3.0, 2.2, 1.8, 1.6, 1.4, 1.25, 1.15, 1.07)  # ages after which it would be without bound, where its rate rises with the square of what has worn [judgement]
+_POLES = (
+    3.0,
+    2.2,
+    1.8,
+    1.6,
+    1.4,
+    1.25,
+    1.15,
+    1.07,
+)  # ages after which it would be without bound, where its rate rises with the square of what has worn [judgement]
 _POLES_TWO = (6.0, 4.0, 3.0, 2.5, 2.1, 1.8, 1.6, 1.4, 1.25, 1.15)  # the same where it rises with its power of 3 / 2 [judgement]
 _FADES = (0.0, 0.1)  # time in which grease runs in; 0 is none [judgement]
 _WALKS = (0.0, 0.04, 0.2)  # what the walk comes to over the age [judgement]
@@ -64,12 +73,12 @@ class Laws:
     @property
     def stalled_for(self) -> Reals:
         """For how long each is stalled at the last reading; 0 for those that go on."""
-        return np.max(np.where(self.again >= 1.0, 1.0 - self.stall, 0.0), axis=1)
+        return np.asarray(np.max(np.where(self.again >= 1.0, 1.0 - self.stall, 0.0), axis=1))
 
     def own_time(self, at: Reals) -> Reals:
         """Time in which wear went on until `at` [times], [laws, times]."""
         lost = np.clip(at - self.stall[:, :, None], 0.0, (self.again - self.stall)[:, :, None])
-        return np.maximum(at[None, :] - self.onset[:, None], 0.0) - lost.sum(axis=1)
+        return np.asarray(np.maximum(at[None, :] - self.onset[:, None], 0.0) - lost.sum(axis=1))
 
     def passed(self, at: Reals) -> list[Reals]:
         """How much of onset, stalls and their ends has gone by at each of `at` [times], spread over the part about it, [laws, times] each; 0 of one at the ends of the age."""

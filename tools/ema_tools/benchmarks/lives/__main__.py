@@ -116,7 +116,9 @@ def still(seed: int) -> Still:
     desk = outlook(at, read, std, LIMIT, _FALSE_ALARM)
     if desk is None:
         return Still(False, False, False)
-    onboard = [one.drifts for one in onboard_outlooks(at, read, std, LIMIT, [*range(READINGS_LEAST, at.size, ASKED_EVERY), at.size], _FALSE_ALARM)]
+    onboard = [
+        one.drifts for one in onboard_outlooks(at, read, std, LIMIT, [*range(READINGS_LEAST, at.size, ASKED_EVERY), at.size], _FALSE_ALARM)
+    ]
     return Still(desk.drift.changed, onboard[-1], any(onboard))
 
 

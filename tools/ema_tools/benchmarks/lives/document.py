@@ -43,7 +43,13 @@ class Found:
 
 
 def document(
-    found: Found, harder: Sequence[Asked], others: Sequence[Asked], otherwise: Mapping[str, Sequence[Asked]], alarms: Sequence[Still], histories: int, ideals: int
+    found: Found,
+    harder: Sequence[Asked],
+    others: Sequence[Asked],
+    otherwise: Mapping[str, Sequence[Asked]],
+    alarms: Sequence[Still],
+    histories: int,
+    ideals: int,
 ) -> str:
     """The document, in Markdown: of so many histories of each sort, the ideal observer asked of the first `ideals`; and of HARDER; `otherwise`: the same drawn otherwise, by what."""
     ideal, sharpest, beside = _same_looks(found)
@@ -83,7 +89,12 @@ def document(
             all(one <= 0.01 for one in alarmed),
             [*(f"{100.0 * one:.2f} %" for one in alarmed), "", ""],
         ),
-        _goal(f"the same, asked after every {ASKED_EVERY}th reading of the whole history", "<= 1 %", ever <= 0.01, ["", f"{100.0 * ever:.2f} %", "", ""]),
+        _goal(
+            f"the same, asked after every {ASKED_EVERY}th reading of the whole history",
+            "<= 1 %",
+            ever <= 0.01,
+            ["", f"{100.0 * ever:.2f} %", "", ""],
+        ),
         "",
         (
             "Counted are the forecasts for units that were found to drift by then; without a drift no remaining life is told. Onboard is the module's float32 as firmware runs it, fed reading by"

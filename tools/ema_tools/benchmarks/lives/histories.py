@@ -32,7 +32,10 @@ GREASES = (1.0, 4.0)  # % by which it falls [judgement]
 FADES = (20.0, 80.0)  # days in which [judgement]
 
 
-SCATTERS = (0.1, 0.5)  # % by which readings scatter, by the logarithm: BLK's 0.21 % of a limit of 100 %, and CSJ's 0.50 % (docs/VERDICTS.md) [measured]
+SCATTERS = (
+    0.1,
+    0.5,
+)  # % by which readings scatter, by the logarithm: BLK's 0.21 % of a limit of 100 %, and CSJ's 0.50 % (docs/VERDICTS.md) [measured]
 HARSH_SCATTERS = (0.35, 2.7)  # the same of days of four times the scatter and +-8 degC: BLK's 0.70 %, and CSJ's 2.7 % [measured]
 EVERY = (2.0, 8.0)  # days from one ground test to the next, on the average of a unit [judgement]
 

@@ -34,7 +34,9 @@ class IdealSaid:
     sharpest: float
 
 
-def ideal(days: Reals, values: Reals, stds: Reals, counts: Sequence[int], random: np.random.Generator, draw: Draw = GOALS) -> list[IdealSaid]:
+def ideal(
+    days: Reals, values: Reals, stds: Reals, counts: Sequence[int], random: np.random.Generator, draw: Draw = GOALS
+) -> list[IdealSaid]:
     """What is told after each of `counts` readings, in rising order, of `values` [n] in % on `days` [n] with the stated standard errors `stds` [n]; the stalls are those of the goals."""
     looks = Looks(days, values, UNDERSTATED * stds / math.sqrt(2.0), counts)
     kinds = [followed(looks, draw.jumps, math.log(_KIND), random)]

@@ -55,7 +55,7 @@ def followed(looks: Looks, to_limit: tuple[int, int], log_prior: float, random: 
         np.zeros(count),
         np.zeros(count),
         random.uniform(*ONSETS, count),
-        np.floor(np.exp(random.uniform(*np.log(to_limit), count))),
+        np.floor(np.exp(random.uniform(math.log(to_limit[0]), math.log(to_limit[1]), count))),
         random.uniform(*LENGTHS, count),
         np.where(greased, random.uniform(*GREASES, count), 0.0),
         random.uniform(*FADES, count),
@@ -82,7 +82,10 @@ def followed(looks: Looks, to_limit: tuple[int, int], log_prior: float, random: 
 
 
 def _jumped(paths: JumpPaths, before: float, day: float, value: float, scale: float, random: np.random.Generator) -> Reals:
-    """Moves the particles to `day`: half of them jump as they would by themselves, half of the jumps are to about what is read; returns the logarithm of how much likelier it was than drawn so, [particles]."""
+    """Moves the particles to `day`: half of them jump as they would by themselves, half of the jumps are to about what is read.
+
+    Returns the logarithm of how much likelier it was than drawn so, [particles].
+    """
     count = paths.level.size
     open_days = np.maximum(day - np.maximum(before, paths.onset), 0.0)
     mean = paths.jumps / paths.length * open_days

@@ -5,8 +5,6 @@ Crack growth (Paris' law, its exponent from 1.5 to 4), wear that saturates on to
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ema_tools.base.arrays import Reals
