@@ -10,24 +10,21 @@
 /* Smaller sums are taken as this one. */
 #define EMA_LEAST EMA_R(1.0e-35)
 
-/* The instant by which `share` has reached the limit, straight between two; open where it does not. */
-static ema_time_left_t ema_left_of(const ema_real reached[EMA_FORECAST_TIMES], ema_real share, ema_real age_days)
+/* An instant, and the share that has reached the limit by then. */
+typedef struct {
+    ema_real at;
+    ema_real reached;
+} ema_instant_t;
+
+/* The time by which `share` has reached the limit, straight between two instants, where it is between these. */
+static void ema_left_between(ema_time_left_t* left, ema_real share, const ema_instant_t* before,
+                             const ema_instant_t* now, ema_real age_days)
 {
-    uint32_t place = 0U;
-    while ((place < EMA_FORECAST_TIMES) && (reached[place] < share)) {
-        ++place;
+    if (left->open && (now->reached >= share)) {
+        const ema_real part = (share - before->reached) / (now->reached - before->reached);
+        left->days = (before->at + (part * (now->at - before->at))) * age_days;
+        left->open = false;
     }
-    ema_time_left_t left = {EMA_R(0.0), place == EMA_FORECAST_TIMES};
-    if (left.open) {
-        left.days = EMA_AHEAD_MOST * age_days;
-        return left;
-    }
-    if (place > 0U) {
-        const ema_real before = ema_ahead_time(place - 1U);
-        const ema_real part = (share - reached[place - 1U]) / (reached[place] - reached[place - 1U]);
-        left.days = (before + (part * (ema_ahead_time(place) - before))) * age_days;
-    }
-    return left;
 }
 
 static ema_real ema_odds_log(const ema_forecast_t* forecast)
@@ -62,20 +59,24 @@ ema_trend_status_t ema_forecast_result(const ema_forecast_t* forecast, ema_outlo
     if (!ema_forecast_done(forecast)) {
         return EMA_TREND_UNFINISHED;
     }
-    ema_real reached[EMA_FORECAST_TIMES];
-    ema_real most = EMA_R(0.0);
+    ema_clear(outlook, sizeof *outlook);
+    ema_outlook_values(forecast, outlook);
+    outlook->ahead_days = EMA_AHEAD_MOST * forecast->age_days;
+    const ema_time_left_t open = {outlook->ahead_days, true};
+    outlook->low = open;
+    outlook->median = open;
+    outlook->high = open;
+    ema_instant_t before = {EMA_R(0.0), EMA_R(0.0)};
     const ema_real stalled_for = forecast->stalled_for / ema_max(forecast->stalled_sum, EMA_LEAST);
     for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
         const ema_real share = ema_ahead_share(forecast->going, forecast->stalled, stalled_for, k);
-        most = ema_max(most, share / forecast->weight_sum);
-        reached[k] = ema_min(most, EMA_R(1.0));
+        ema_instant_t now = {ema_ahead_time(k), EMA_R(0.0)};
+        now.reached = ema_max(before.reached, ema_min(share / forecast->weight_sum, EMA_R(1.0)));
+        ema_left_between(&outlook->low, EMA_R(0.05), &before, &now, forecast->age_days);
+        ema_left_between(&outlook->median, EMA_R(0.5), &before, &now, forecast->age_days);
+        ema_left_between(&outlook->high, EMA_R(0.95), &before, &now, forecast->age_days);
+        before = now;
     }
-    ema_clear(outlook, sizeof *outlook);
-    ema_outlook_values(forecast, outlook);
-    outlook->low = ema_left_of(reached, EMA_R(0.05), forecast->age_days);
-    outlook->median = ema_left_of(reached, EMA_R(0.5), forecast->age_days);
-    outlook->high = ema_left_of(reached, EMA_R(0.95), forecast->age_days);
-    outlook->reached_ratio = reached[EMA_FORECAST_TIMES - 1U];
-    outlook->ahead_days = EMA_AHEAD_MOST * forecast->age_days;
+    outlook->reached_ratio = before.reached;
     return EMA_TREND_OK;
 }
