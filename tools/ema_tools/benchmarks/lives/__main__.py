@@ -78,9 +78,10 @@ def observed(name: str, seed: int) -> Found:
     draw = OTHERWISE[name]
     unit = _drawn(seed, draw)
     looks = [place for place, (_, count) in enumerate(unit.looks) if count >= READINGS_LEAST]
-    random = np.random.default_rng(_DRAWING + seed)
-    told = ideal(unit.days, unit.values, unit.stds, [unit.looks[place][1] for place in looks], random, draw) if looks else []
-    both = list(zip(looks, told, strict=True))
+    # where flights are missing, two looks may be after the same reading
+    counts = sorted({unit.looks[place][1] for place in looks})
+    told = ideal(unit.days, unit.values, unit.stds, counts, np.random.default_rng(_DRAWING + seed), draw) if looks else []
+    both = [(place, told[counts.index(unit.looks[place][1])]) for place in looks]
     said = [unit.asked(place, one.said) for place, one in both]
     return Found([], [], said, [unit.asked(place, Said(one.sharpest, one.said.low, one.said.high)) for place, one in both])
 
@@ -141,10 +142,10 @@ def main(histories: int, ideals: int | None, out: Path | None) -> None:
     """Foretell the remaining life of units whose wear is known, and say how often it was right."""
     found, harder = Found([], [], [], []), Found([], [], [], [])
     others: list[Asked] = []
-    otherwise_ones: dict[str, list[Asked]] = {name: [] for name in OTHERWISE}
+    otherwise_ones: dict[str, list[Asked]] = {name: found.onboard if name == AS_ABOVE else [] for name in OTHERWISE}
     alarms: list[Still] = []
     ideals = min(histories, ideals if ideals is not None else max(4, histories // 4))
-    with ProcessPoolExecutor() as pool, progress("histories", (3 + len(OTHERWISE)) * histories + 2 * ideals) as bar:
+    with ProcessPoolExecutor() as pool, progress("histories", (2 + len(OTHERWISE)) * histories + 2 * ideals) as bar:
         done = 0
         for work, count, into in (
             (history, histories, found),
@@ -157,7 +158,7 @@ def main(histories: int, ideals: int | None, out: Path | None) -> None:
         for asked in pool.map(other, range(histories), chunksize=16):
             others += asked
             bar.update(done := done + 1)
-        for name, some in otherwise_ones.items():
+        for name, some in list(otherwise_ones.items())[1:]:
             for asked in pool.map(partial(otherwise, name), range(histories), chunksize=16):
                 some.extend(asked)
                 bar.update(done := done + 1)
