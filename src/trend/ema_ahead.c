@@ -7,15 +7,18 @@
 #define EMA_RATIO_LOG (EMA_R(9.210340371976184) / EMA_R(78.0))
 _Static_assert(EMA_FORECAST_TIMES == 80U, "so many ratios are between them");
 
-/* The exponential times of a change by the middles of four parts that are as likely: -log(1 - (k + 1/2) / 4) */
-#define EMA_CHANGES 4U
-static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.13353139262452263), EMA_R(0.4700036292457356),
-                                                  EMA_R(0.9808292530117262), EMA_R(2.0794415416798357)};
+/* The exponential times of a change by the middles of five parts that are as likely, an odd number, so that no
+ * median falls between two: -log(1 - (k + 1/2) / 5) */
+#define EMA_CHANGES 5U
+static const ema_real ema_changes[EMA_CHANGES] = {EMA_R(0.10536051565782628), EMA_R(0.35667494393873245),
+                                                  EMA_R(0.6931471805599453), EMA_R(1.203972804325936),
+                                                  EMA_R(2.302585092994046)};
 
-/* The time until a stall ends, over that since it began, by the same middles: (1 - (k + 1/2) / 4)^(-1/2) - 1. One that
+/* The time until a stall ends, over that since it began, by the same middles: (1 - (k + 1/2) / 5)^(-1/2) - 1. One that
  * is to come lasts as if it had gone on for EMA_TO_COME. */
-static const ema_real ema_ends[EMA_CHANGES] = {EMA_R(0.06904496764969759), EMA_R(0.26491106406735176),
-                                               EMA_R(0.6329931618554521), EMA_R(1.8284271247461903)};
+static const ema_real ema_ends[EMA_CHANGES] = {EMA_R(0.05409255338945984), EMA_R(0.19522860933439357),
+                                               EMA_R(0.4142135623730949), EMA_R(0.8257418583505536),
+                                               EMA_R(2.16227766016838)};
 #define EMA_TO_COME EMA_R(0.3)
 
 /* The normal logarithm of a pace by Gauss and Hermite's three points: e^(-0.75 sqrt 3), 1, e^(0.75 sqrt 3). */
