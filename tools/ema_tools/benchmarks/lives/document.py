@@ -52,7 +52,7 @@ def document(
     ideals: int,
 ) -> str:
     """The document, in Markdown: of so many histories of each sort, the ideal observer asked of the first `ideals`; and of HARDER; `otherwise`: the same drawn otherwise, by what."""
-    ideal, sharpest, beside = _same_looks(found)
+    ideal, sharpest, beside = _asked_of(found.ideal, found.desk), _asked_of(found.sharpest, found.desk), _asked_of(found.desk, found.ideal)
     apart = np.array([_apart(desk.told, onboard.told) for desk, onboard in zip(found.desk, found.onboard, strict=True)])
     same = np.isfinite(apart)
     both = (found.desk, found.onboard)
@@ -174,17 +174,10 @@ def _words(doc: str | None) -> str:
     return " ".join((doc or "").partition("\n\n")[2].split())
 
 
-def _asked_of(ideal: Sequence[Asked], others: Sequence[Asked]) -> list[Asked]:
-    """The ideal observer's forecasts where others have told one."""
+def _asked_of(some: Sequence[Asked], others: Sequence[Asked]) -> list[Asked]:
+    """Those of the forecasts at looks at which others told one, too."""
     told = {(one.seed, one.share) for one in others if one.told is not None}
-    return [one for one in ideal if (one.seed, one.share) in told]
-
-
-def _same_looks(found: Found) -> tuple[list[Asked], list[Asked], list[Asked]]:
-    """The ideal observer's forecasts, its sharpest points and the desk's, where all have told one."""
-    told = {(one.seed, one.share) for one in found.desk if one.told is not None} & {(one.seed, one.share) for one in found.ideal}
-    ideal, sharpest, desk = ([one for one in group if (one.seed, one.share) in told] for group in (found.ideal, found.sharpest, found.desk))
-    return ideal, sharpest, desk
+    return [one for one in some if one.told is not None and (one.seed, one.share) in told]
 
 
 def _apart(one: Said | None, other: Said | None) -> float:
