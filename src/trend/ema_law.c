@@ -81,13 +81,12 @@ static ema_law_t ema_steady(uint32_t number)
     return law;
 }
 
-/* So many ways there are of `count` among `of`. */
+/* So many ways there are of `count` among `of`, which are at least as many. */
 static uint32_t ema_ways(uint32_t of, uint32_t count)
 {
     uint32_t ways = 1U;
     for (uint32_t k = 0U; k < count; ++k) {
-        /* none where there are fewer than count */
-        ways = (of > k) ? ((ways * (of - k)) / (k + 1U)) : 0U;
+        ways = (ways * (of - k)) / (k + 1U);
     }
     return ways;
 }
