@@ -9,8 +9,8 @@ import pytest
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
-from ema_tools.fit.kept import KNOTS, kept
-from ema_tools.fit.laws import all_laws
+from ema_tools.fit.kept import KNOTS, Knots, kept
+from ema_tools.fit.laws import all_laws, known
 from ema_tools.fit.wear import Outlook, outlook
 from ema_tools.plant.trend import LAWS, onboard_outlooks
 
@@ -87,6 +87,30 @@ def test_no_law_stands_twice() -> None:
     rows = np.column_stack([one for name, one in vars(laws).items() if name != "share"])
     assert len(np.unique(rows, axis=0)) == LAWS
     assert laws.share.sum() == pytest.approx(2.0)
+
+
+def test_the_laws_know_what_all_knots_at_once_tell() -> None:
+    """The Gaussian process of every law by the Cholesky root of its covariance (Rasmussen and Williams, equations 2.25, 2.26 and 2.30), which shares nothing but the laws with what it is held against."""
+    laws, random = all_laws(), np.random.default_rng(11)
+    at = np.sort(np.concatenate([[0.0, 0.5, 1.0], random.uniform(size=17)]))  # one knot stands on edges
+    knots = Knots(at, 40.0 * at**2 + random.normal(0.0, 0.5, at.size), random.uniform(0.3, 0.9, at.size))
+    found = known(laws, at, knots, 50.0)
+    prior = np.array([0.2, 0.4, 0.2])
+    for number in range(LAWS):
+        law = laws.chosen(slice(number, number + 1))
+        own = law.own_time(at)
+        basis = np.column_stack([np.ones(at.size), law.risen(own)[0], law.faded(at)[0]])
+        walk = law.walk[0] ** 2 * np.minimum.outer(own[0], own[0])
+        for passed in law.passed(at):
+            walk = walk + (0.24 / law.parts[0]) ** 2 * np.minimum.outer(passed[0], passed[0])
+        root = np.linalg.cholesky((basis * prior**2) @ basis.T + walk + np.diag((knots.std / 50.0) ** 2))
+        white = np.linalg.solve(root, knots.value / 50.0)
+        assert found.evidence[number] == pytest.approx(-0.5 * white @ white - np.sum(np.log(np.diagonal(root))), abs=1e-8)
+        # level, rate, fading part and the walk at the last knot beside the knots
+        beside = np.linalg.solve(root, np.column_stack([basis * prior**2, walk[:, -1]]))
+        before = np.diag([*prior**2, walk[-1, -1]])
+        assert found.mean[number] == pytest.approx(beside.T @ white, rel=1e-8, abs=1e-9)
+        assert found.cov[number] == pytest.approx(before - beside.T @ beside, rel=1e-8, abs=1e-9)
 
 
 @pytest.mark.parametrize("bits", [32, 64])

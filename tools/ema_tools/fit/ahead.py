@@ -28,9 +28,9 @@ AHEAD = np.concatenate([[0.0], np.geomspace(_FIRST, MOST, _TIMES - 1)])
 
 
 def states(laws: Laws, own: Reals) -> Reals:
-    """What level, rate, fading part and walk are multiplied by at own times [laws, times], the grease as at the last reading: [laws, times, 4]."""
+    """What level, rate, fading part and walk are multiplied by at each law's own time [laws], the grease as at the last reading: [laws, 4]."""
     ones = np.ones_like(own)
-    return np.stack([ones, laws.risen(own), ones * laws.faded(np.ones(1)), ones], axis=2)
+    return np.stack([ones, laws.risen(own[:, None])[:, 0], laws.faded(np.ones(1))[:, 0], ones], axis=1)
 
 
 def reached(laws: Laws, found: Known, own: Reals) -> Reals:
@@ -38,20 +38,32 @@ def reached(laws: Laws, found: Known, own: Reals) -> Reals:
 
     First passage of a Brownian motion whose drift is normal (Cox and Miller, section 5.7, with the drift integrated out).
     """
-    row = states(laws, own[:, None] + AHEAD[None, :])
-    value = np.einsum("ltk,lk->lt", row, found.mean)
-    doubt = np.maximum(np.einsum("ltk,lkm,ltm->lt", row, found.cov, row), _DOUBT)
-    walked = laws.walk[:, None] ** 2 * AHEAD[None, :]
+    risen = laws.risen(own[:, None] + AHEAD[None, :])
+    # all but the rate is the same at any time ahead
+    rest = states(laws, own)
+    rest[:, 1] = 0.0
+    fixed, rate = np.sum(rest * found.mean, axis=1)[:, None], found.mean[:, 1, None]
+    with_rate = np.sum(rest * found.cov[:, 1, :], axis=1)[:, None]
+    without = np.einsum("lk,lkm,lm->l", rest, found.cov, rest)[:, None]
+    value = fixed + rate * risen
+    doubt = np.maximum(without + risen * (2.0 * with_rate + risen * found.cov[:, 1, 1, None]), _DOUBT)
     left, advance = 1.0 - value[:, :1], value - value[:, :1]
+    walked = laws.walk[:, None] ** 2 * AHEAD[None, :]
     spread = np.sqrt(doubt + walked)
     below = (left - advance) / spread
-    safe = np.where(walked > 0.0, walked, 1.0)
-    mirrored = (left + advance + 2.0 * left * doubt / safe) / spread
+    gone = special.ndtr(-below)
+    some = (laws.walk > 0.0) & (left[:, 0] > 0.0)
+    gone[some, 1:] += _back(left[some], advance[some, 1:], doubt[some, 1:], walked[some, 1:], below[some, 1:])
+    return np.maximum.accumulate(np.minimum(gone, 1.0), axis=1)
+
+
+def _back(left: Reals, advance: Reals, doubt: Reals, walked: Reals, below: Reals) -> Reals:
+    """What had been reached and has walked back below the limit, [laws, times]."""
+    mirrored = (left + advance + 2.0 * left * doubt / walked) / np.sqrt(doubt + walked)
     # e^(x^2 / 2) of the one and the tail beyond the other, without leaving the numbers
     near = np.exp(-0.5 * below**2) * 0.5 * special.erfcx(np.maximum(mirrored, 0.0) / math.sqrt(2.0))
     past = np.exp(np.minimum(0.5 * (mirrored**2 - below**2), 0.0)) * special.ndtr(-mirrored)
-    back = np.where((walked > 0.0) & (left > 0.0), np.where(mirrored > 0.0, near, past), 0.0)
-    return np.maximum.accumulate(np.minimum(special.ndtr(-below) + back, 1.0), axis=1)
+    return np.where(mirrored > 0.0, near, past)
 
 
 def paced(going: Reals, stalled: Reals, stalled_for: float) -> Reals:

@@ -2,7 +2,7 @@
 
 A law is a level, wear that begins at an onset and slows down, goes on evenly, accelerates, feeds on itself or stalls for a while, a part that fades (grease that runs in), and a random walk, which
 is what steps and irregular wear look like. Times are shares of the time since the first reading, values shares of the limit. Equations: docs/DESIGN.md, "Trend and time to a limit"; firmware works
-out the same law by law and reading by reading (include/ema/ema_trend.h), here all at once.
+out the same law by law (include/ema/ema_trend.h), here all of them go from knot to knot together.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _FADES = (0.0, 0.1)  # time in which grease runs in; 0 is none [judgement]
 _WALKS = (0.0, 0.04, 0.2)  # what the walk comes to over the age [judgement]
 _STALLING = 0.125  # share of the laws that stall once, and of those that do twice [judgement]
 _EDGE = 0.24  # standard deviation of the level over an onset or an end of a stall, times the parts: what wears until one is there is a step [judgement]
-_AT_ONCE = 64  # laws whose covariances are worked out together [effort]
+_AT_ONCE = 512  # laws whose covariances are worked out together [effort]
 _PRIOR = np.array([0.2, 0.4, 0.2])  # level, rate over one age and fading part: one standard deviation [judgement]
 _FAR = 20.0  # e-foldings beyond which it does not matter how far beyond the limit [layout]
 _POLE_LEAST = 0.001  # of an age: nearer to a pole it does not matter any more, either [layout]
@@ -164,22 +164,25 @@ def known(laws: Laws, at: Reals, knots: Knots, limit: float) -> Known:
 
 
 def _known(laws: Laws, at: Reals, knots: Knots, limit: float) -> Known:
+    """One knot after the other (Rasmussen and Williams, appendix B.2): what walks and edges add is independent from knot to knot, since each is a walk over a time of its own."""
     own = laws.own_time(at)
-    ones = np.ones_like(own)
-    bases = np.stack([ones, laws.risen(own), laws.faded(at)], axis=2)  # [laws, knots, 3]
-    scaled = bases * _PRIOR
-    walks = laws.walk[:, None, None] ** 2 * np.minimum(own[:, :, None], own[:, None, :])
+    count = own.shape[0]
+    walked = laws.walk[:, None] ** 2 * own
     for passed in laws.passed(at):
-        if passed.any():
-            walks += (_EDGE / laws.parts[:, None, None]) ** 2 * np.minimum(passed[:, :, None], passed[:, None, :])
-    lower = np.linalg.cholesky(scaled @ scaled.transpose(0, 2, 1) + walks + np.diag((knots.std / limit) ** 2))
-    # what is asked for together with the knots: level, rate, fading part, and the walk of the last one
-    cross = np.concatenate([bases.transpose(0, 2, 1) * (_PRIOR**2)[None, :, None], walks[:, -1:, :]], axis=1)
-    prior = np.zeros((own.shape[0], 4, 4))
-    prior[:, range(3), range(3)] = _PRIOR**2
-    prior[:, 3, 3] = walks[:, -1, -1]
-    told = np.concatenate([cross.transpose(0, 2, 1), (ones * knots.value / limit)[:, :, None]], axis=2)
-    solved = np.linalg.solve(lower, told)
-    gain, white = solved[:, :, :-1], solved[:, :, -1]  # [laws, knots, 4] and [laws, knots]
-    evidence = -0.5 * np.sum(white**2, axis=1) - np.sum(np.log(np.diagonal(lower, axis1=1, axis2=2)), axis=1)
-    return Known(evidence, np.einsum("lnk,ln->lk", gain, white), prior - np.einsum("lnk,lnm->lkm", gain, gain))
+        walked += (_EDGE / laws.parts[:, None]) ** 2 * passed
+    added = np.diff(walked, axis=1, prepend=0.0)
+    risen, faded = laws.risen(own), laws.faded(at)
+    mean, cov = np.zeros((4, count)), np.zeros((4, 4, count))
+    cov[range(3), range(3)] = _PRIOR[:, None] ** 2
+    evidence = np.zeros(count)
+    for place, (value, std) in enumerate(zip(knots.value / limit, knots.std / limit, strict=True)):
+        cov[3, 3] += added[:, place]
+        rise, fade = risen[:, place], faded[:, place]
+        seen = cov[0] + rise * cov[1] + fade * cov[2] + cov[3]
+        doubt = seen[0] + rise * seen[1] + fade * seen[2] + seen[3] + std**2
+        off = value - (mean[0] + rise * mean[1] + fade * mean[2] + mean[3])
+        gain = seen / doubt
+        evidence -= 0.5 * (off**2 / doubt + np.log(doubt))
+        mean += gain * off
+        cov -= seen[:, None, :] * gain[None, :, :]
+    return Known(evidence, mean.T, cov.transpose(2, 0, 1))

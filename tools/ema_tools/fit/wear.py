@@ -72,7 +72,7 @@ def outlook(days: Reals, values: Reals, stds: Reals, limit: float, false_alarm: 
     weight = np.where(still, 0.0, laws.share * np.exp(_TEMPER * (found.evidence - found.evidence[~still].max())))
     weight /= weight.sum()
     own = laws.own_time(np.ones(1))[:, 0]
-    now = states(laws, own[:, None])[:, 0, :]
+    now = states(laws, own)
     slope = np.zeros_like(now)
     slope[:, 1] = np.where(laws.stalled_for > 0.0, 0.0, laws.rises(own))
     told = [_mixed(weight, np.sum(row * found.mean, axis=1), np.einsum("lk,lkm,lm->l", row, found.cov, row)) for row in (now, slope)]
