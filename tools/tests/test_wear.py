@@ -90,7 +90,7 @@ def test_no_law_stands_twice() -> None:
 
 
 def test_the_laws_know_what_all_knots_at_once_tell() -> None:
-    """The Gaussian process of every law by the Cholesky root of its covariance (Rasmussen and Williams, equations 2.25, 2.26 and 2.30), which shares nothing but the laws with what it is held against."""
+    """The process of every law by the Cholesky root of its covariance (Rasmussen and Williams, equations 2.25, 2.26 and 2.30), which shares nothing but the laws with what it is held against."""
     laws, random = all_laws(), np.random.default_rng(11)
     at = np.sort(np.concatenate([[0.0, 0.5, 1.0], random.uniform(size=17)]))  # one knot stands on edges
     knots = Knots(at, 40.0 * at**2 + random.normal(0.0, 0.5, at.size), random.uniform(0.3, 0.9, at.size))
