@@ -98,7 +98,7 @@ def document(
         "",
         (
             "Counted are the forecasts for units that were found to drift by then; without a drift no remaining life is told. Onboard is the module's float32 as firmware runs it, fed reading by"
-            " reading; the desk works the same filter out from its equations by other means, in float64."
+            " reading; the desk's is written from the same equations on its own, in float64."
             f" {'All' if same.all() else f'{int(same.sum())} of {same.size}'} forecasts agree on whether there is a drift and an end, and their medians to {100.0 * float(apart[same].max()):.2g} %."
         ),
         "",
