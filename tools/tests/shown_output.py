@@ -23,12 +23,20 @@ def _value(text: str) -> float:
     return float(text.translate(_PLAIN).replace("×10", "e").rstrip("."))
 
 
+def _unit(shown: str) -> float:
+    """What the one digit that says something counts, of 0.2 a tenth: rounding alone moves it from machine to machine; 0 of numbers with more digits, and of whole ones."""
+    digits = re.fullmatch(r"[+−-]?0\.0*[1-9]", shown.rstrip("."))
+    return 10.0 ** (shown.rstrip(".").index(".") + 1 - len(shown.rstrip("."))) if digits else 0.0
+
+
 def _alike(shown: str, real: str) -> bool:
     if _NUMBER.sub("#", shown) != _NUMBER.sub("#", real):
         return False
-    pairs = zip(map(_value, _NUMBER.findall(shown)), map(_value, _NUMBER.findall(real)), strict=True)
+    pairs = zip(_NUMBER.findall(shown), map(_value, _NUMBER.findall(real)), strict=True)
     return all(
-        abs(one - other) <= max(_LEAST if abs(other) > 10.0 * _LEAST or one == 0.0 else 0.0, _SHARE * abs(other)) for one, other in pairs
+        abs(_value(one) - other)
+        <= max(_LEAST if abs(other) > 10.0 * _LEAST or _value(one) == 0.0 else 0.0, _SHARE * abs(other), 1.01 * _unit(one))
+        for one, other in pairs
     )
 
 

@@ -72,6 +72,9 @@ def test_words_and_numbers_are_held_against_the_output() -> None:
     assert missing_from("1.3e-15", real) == ""
     assert missing_from("BLK +1.0 %", "BLK +0.9 %") != ""
     assert missing_from("2 of 3", "1 of 3") != ""
+    assert missing_from("BLK +0.2 %", "BLK +0.1 %") == ""
+    assert missing_from("BLK +0.3 %", "BLK +0.1 %") != ""
+    assert missing_from("BLK +0.20 %", "BLK +0.10 %") != ""
     for shown in (
         "missing is presliding",
         "(rise 0.3993",
