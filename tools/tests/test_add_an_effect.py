@@ -288,7 +288,7 @@ for name in names:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.skipif(not HAS_NUMBA, reason="the reference model takes minutes a record without Numba")
 def test_the_references_write_their_vectors_and_the_c_agrees(tree: Tree) -> None:
     """In one process: the reference model is compiled once."""

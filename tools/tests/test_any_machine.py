@@ -41,10 +41,10 @@ quick = pytest.mark.skipif(not HAS_NUMBA, reason="the plant takes minutes a reco
     [
         ("bare motor", "sweeps", "cogging_torque"),
         ("ball screw", "pick and place", "spring_load"),
-        pytest.param("bare motor", "start and stop", "stribeck_friction", marks=pytest.mark.slow),
-        pytest.param("belt", "sweeps", "quadratic_viscous", marks=pytest.mark.slow),
+        pytest.param("bare motor", "start and stop", "stribeck_friction", marks=pytest.mark.release),
+        pytest.param("belt", "sweeps", "quadratic_viscous", marks=pytest.mark.release),
         pytest.param("joint with an arm", "sweeps", "constant_load", marks=pytest.mark.slow),
-        pytest.param("linear motor", "pick and place", "viscous_asymmetry", marks=pytest.mark.slow),
+        pytest.param("linear motor", "pick and place", "viscous_asymmetry", marks=pytest.mark.release),
         pytest.param("lead screw", "steady speeds", "constant_load", marks=pytest.mark.slow),
     ],
 )
@@ -145,7 +145,7 @@ def test_a_machine_that_moves_one_way_is_said_to() -> None:
     ("kind", "command", "periods"),
     [
         ("belt", "start and stop", 1.0 / 3.0),
-        pytest.param("joint with an arm", "start and stop", 0.2, marks=pytest.mark.slow),
+        pytest.param("joint with an arm", "start and stop", 0.2, marks=pytest.mark.release),
         pytest.param("lead screw", "pick and place", 4.37, marks=pytest.mark.slow),
     ],
 )

@@ -102,7 +102,7 @@ def test_friction_of_the_torque_that_is_transmitted_is_found_behind_a_weight() -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("heavier", [1.0, 1.2, 1.4])
+@pytest.mark.parametrize("heavier", [1.0, pytest.param(1.2, marks=pytest.mark.release), pytest.param(1.4, marks=pytest.mark.release)])
 def test_a_heavier_arm_is_one_value_and_not_three(heavier: float) -> None:
     """It was a motor with less torque, and less inertia and friction by the same share, which does as much."""
     healthy, sheet = [swung(seed) for seed in range(4)], joint()

@@ -127,7 +127,7 @@ def test_what_is_not_safe_or_shows_no_play_is_left_out(found: Detection) -> None
     assert not {one.command for one in found.options} & set(found.one_way)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_noise_scatter_and_runs_move_it() -> None:
     def alone(*, runs: int = 3, noise: float = 0.005, scatter: dict[str, float] | None = None) -> dict[str, float]:
         seen = detection(

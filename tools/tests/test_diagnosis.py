@@ -164,7 +164,7 @@ def test_a_worn_one_among_the_healthy_records_is_named() -> None:
         answer(reference_actuator(), _noisy({}, 1), [_noisy({}, 2), _noisy(worn, 3)])
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.parametrize("changes", [{}, {"control.kp_per_m": 420.0}])
 def test_two_healthy_records_that_differ_conclude_nothing(changes: dict[str, float]) -> None:
     """Neither that today's change is within repeatability, nor that a healthy record lacks an effect."""
@@ -188,7 +188,7 @@ def test_a_fault_beside_one_effect_is_taken_before_three_effects_that_explain_no
     assert found.faults[0].values["screw.csj_Nm"] == pytest.approx(worn["screw.csj_Nm"], rel=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @needs_numba
 def test_without_repeats_a_hot_winding_has_the_doubt_of_the_resistance_it_hides_behind() -> None:
     """Resistance is known to 4 % from the data sheet, which is as much as 10 degC: no record alone can do better."""
@@ -208,7 +208,7 @@ def test_without_repeats_a_worn_unit_lacks_no_effect() -> None:
     assert {one.name for one in found.effects} <= {"coulomb_asymmetry", "constant_load"}, sentence(found)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @needs_numba
 def test_without_repeats_an_effect_in_a_narrow_valley_is_named() -> None:
     """Grease that thickens with the day does nearly what the unit's own viscous friction does: the fit has to follow the bend between the two."""
@@ -285,7 +285,7 @@ def test_with_the_position_alone_what_repeats_within_a_turn_is_named_with_its_pe
 
 
 @needs_numba
-@pytest.mark.slow
+@pytest.mark.release
 def test_a_large_cogging_is_named_with_its_periods(healthy: list[Record]) -> None:
     """It moves the machine by more than a period: counted along the model's motion another number, or Stribeck friction, would fit better."""
     hidden = {"cogging_torque.amplitude_Nm": 0.0444, "cogging_torque.periods": 72.0, "cogging_torque.phase_rad": 1.868}

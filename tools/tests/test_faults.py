@@ -27,7 +27,7 @@ def test_some_faults_of_every_kind_that_is_quick() -> None:
         assert line.strip("| ").split(" | ")[place] == faults.outcome(row), line
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_document_is_what_this_build_gives() -> None:
     rows = faults.table()
     assert [row for row in rows if not row.good] == []

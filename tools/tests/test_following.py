@@ -31,7 +31,7 @@ from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.sentences.experiment import advice, offence, sentence
 from support import REFERENCE, complaint, run_ema
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.release
 
 
 def option(found: Next, title: str) -> Option:

@@ -73,7 +73,7 @@ def test_machines_of_a_setting_are_the_same_units_in_what_it_leaves_alone() -> N
     assert hidden.values == {"inverter_dead_time.drop_V": pytest.approx(0.15)} and hidden.true == 0.1
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @needs_numba
 def test_days_of_another_temperature_move_winding_and_grease_together() -> None:
     unit = replace(machines.machine(2, setting="scatter"), sensors=machines.Sensors())
@@ -395,7 +395,7 @@ def test_what_is_not_known_is_refused(option: str, value: str, tmp_path: Path) -
 
 
 @needs_numba
-@pytest.mark.slow
+@pytest.mark.release
 def test_the_observer_names_what_is_large_and_not_what_is_nothing() -> None:
     found = []
     for severity in ("large", "edge"):
@@ -413,7 +413,7 @@ def test_the_observer_names_what_is_large_and_not_what_is_nothing() -> None:
 
 
 @needs_numba
-@pytest.mark.slow
+@pytest.mark.release
 def test_the_observer_without_repeats_knows_how_units_differ_but_not_where_this_one_lies() -> None:
     unit = machines.machine(2)
     sheet = replace(

@@ -52,7 +52,7 @@ def worn(number: int, csj: float, blk: float) -> tuple[tuple[str, float], ...]:
 
 @needs_numba
 @pytest.mark.parametrize(
-    ("number", "setting"), [(2, ""), pytest.param(1, "", marks=pytest.mark.slow), pytest.param(3, "scatter", marks=pytest.mark.slow)]
+    ("number", "setting"), [(2, ""), pytest.param(1, "", marks=pytest.mark.release), pytest.param(3, "scatter", marks=pytest.mark.slow)]
 )
 def test_the_flight_code_judges_the_unit_by_the_rod_position_alone(number: int, setting: str) -> None:
     known = unit_model(number, setting).actuator
@@ -101,7 +101,7 @@ def test_it_holds_what_the_unit_always_has_and_what_that_costs() -> None:
 
 
 @needs_numba
-@pytest.mark.slow
+@pytest.mark.release
 def test_where_days_scatter_the_thresholds_follow() -> None:
     usual, wide = unit_model(3, ""), unit_model(3, "scatter")
     assert wide.scatter_percent["screw.csj_Nm"] > 1.5 * usual.scatter_percent["screw.csj_Nm"]

@@ -69,7 +69,7 @@ def test_healthy_fault_with_its_size_and_undecided() -> None:
     assert day["screw.viscous_Nm_s_per_rad"] < -5.0 and 0.5 < day["motor.resistance_ohm"] < 2.0
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_behind_the_table_the_answer_is_the_same_and_names_what_is_missing() -> None:
     """Grease and winding of the day are searched behind a table of signatures as well."""
     table = read_signatures(TABLE)

@@ -23,7 +23,7 @@ from ema_tools.reference.commands import chirp, times_s
 from ema_tools.reference.effects import SITE_FUNCTIONS, example_of, module_of
 
 pytestmark = [
-    pytest.mark.slow,  # compiling the model takes half a minute; in every run its vectors hold the C
+    pytest.mark.release,  # compiling the model takes half a minute; in every run its vectors hold the C
     pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the reference would take minutes per record"),
 ]
 

@@ -17,7 +17,7 @@ from ema_tools.data.actuator import reference_actuator
 from ema_tools.tasks.onboard_search import search_warnings
 from support import RECORDINGS, REFERENCE, run_ema
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.release
 
 
 def test_a_few_settings_are_searched_and_written(tmp_path: Path) -> None:

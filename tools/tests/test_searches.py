@@ -18,7 +18,7 @@ pytest.importorskip("nlopt", reason="a search of the comparison is not installed
 from ema_tools.benchmarks.optimum import optimum
 from ema_tools.benchmarks.searches import baseline, document, problems, rivals, trials
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.release
 
 
 @pytest.fixture(scope="module")

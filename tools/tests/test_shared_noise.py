@@ -72,7 +72,7 @@ def flown_machine() -> OwnMachine:
     return own
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.parametrize(("worn", "verdict"), [(False, "healthy"), (True, "fault")])
 def test_a_unit_with_such_a_sensor_is_judged(worn: bool, verdict: str) -> None:
     healthy, today = runs(False, 3, 700), runs(worn, 1, 750)[0]

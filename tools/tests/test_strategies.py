@@ -117,7 +117,7 @@ def _answered(kind: str, effect: str, machine: int, repeats: int) -> sealed.Seal
     return sealed.answered(run, healthy, None, None, [])
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant is slow without numba")
 @pytest.mark.parametrize(("form", "machine", "named"), [("elastic_stop", 1, "blk"), ("dahl", 3, "presliding")])
 def test_another_form_is_named_with_the_share_that_it_leaves(form: str, machine: int, named: str) -> None:
@@ -127,14 +127,14 @@ def test_another_form_is_named_with_the_share_that_it_leaves(form: str, machine:
     assert 0.05 < found.unexplained < 0.2
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant is slow without numba")
 def test_a_large_cogging_is_named_alone_without_repeats() -> None:
     found = _answered("alone", "cogging_torque", 2, 0)
     assert (found.verdict, list(found.accepted)) == ("missing", ["cogging_torque"])
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant is slow without numba")
 @pytest.mark.parametrize(("effect", "machine"), [("actuation_delay", 1), ("viscous_rise", 3)])
 def test_a_day_of_another_temperature_hides_no_effect(effect: str, machine: int) -> None:

@@ -125,7 +125,7 @@ def test_a_standing_load_that_doubles_is_a_value_that_changed(tmp_path: Path, sh
     assert "constant_load.torque_Nm" not in shares(found)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_a_motor_that_makes_less_torque_is_no_effect_beside_standing_ones(tmp_path: Path, sheet: Actuator) -> None:
     """What sticks and what loads is as much more of the drive as all the rest."""
     standing = {"load": 0.06, "rise": 0.8}
@@ -180,7 +180,7 @@ def test_what_is_nearest_is_told_where_too_few_records_tell_a_change(tmp_path: P
     assert "friction (CSJ) comes nearest, +" in sentence(found)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_what_stays_beside_a_change_is_told_where_it_is_much(tmp_path: Path, sheet: Actuator) -> None:
     quiet, humming = record(tmp_path, 70, dry=1.4 * DRY), record(tmp_path, 71, dry=1.4 * DRY)
     assert humming.current_A is not None

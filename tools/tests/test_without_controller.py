@@ -204,7 +204,7 @@ HEALTHY = [
 ]
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(2, marks=pytest.mark.slow), 1])
+@pytest.mark.parametrize("count", [5, pytest.param(2, marks=pytest.mark.release), 1])
 def test_another_healthy_record_is_accused_of_nothing(count: int) -> None:
     found = diagnosed(machine(), [swinging(3, 85.0, csj_Nm=1.005 * TRUE[CSJ])], HEALTHY[:count])
     assert isinstance(found, BalanceAnswer) and found.healthy is not None
@@ -212,7 +212,7 @@ def test_another_healthy_record_is_accused_of_nothing(count: int) -> None:
     assert found.healthy.sure == (count > 2)
 
 
-@pytest.mark.parametrize(("count", "usual"), [pytest.param(5, 0.0, marks=pytest.mark.slow), (1, 0.05)])
+@pytest.mark.parametrize(("count", "usual"), [pytest.param(5, 0.0, marks=pytest.mark.release), (1, 0.05)])
 def test_what_the_actuator_states_of_runs_is_the_least_that_they_differ_by(count: int, usual: float) -> None:
     found = {}
     for share in (None, 0.002, 0.2):
@@ -246,7 +246,7 @@ def test_a_changed_friction_is_a_fault_of_the_machine_with_its_interval() -> Non
     assert result["mode"] == "against healthy records" and "friction (CSJ) has changed from" in result["sentence"]
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_what_the_healthy_machine_has_anyhow_stands_and_is_not_named() -> None:
     healthy = [swinging(30 + seed, speed, 0.006, 2e-6) for seed, speed in enumerate((60.0, 90.0, 130.0))]
     found = diagnosed(machine(), [swinging(40, 110.0, 0.006, 2e-6)], healthy)
@@ -286,7 +286,7 @@ def humming(seed: int, amplitude_Nm: float) -> MotionRecord:
     return run.with_columns({"torque_Nm": run.recorded("torque_Nm") + amplitude_Nm * np.sin(run.recorded("motor_speed_rad_s") / 4.0)})
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_what_plainly_remains_and_nothing_explains_is_unknown() -> None:
     """Records without laps have a floor by their own noise and by how far they are from each other in the same motion."""
     strange = diagnosed(machine(), [humming(seed, 0.004) for seed in range(3)])
