@@ -17,7 +17,7 @@ from ema_tools.vectors.cases import CASES, Case
 from ema_tools.vectors.records import samples_of
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.release,
     pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the truth plant would take minutes per record"),
 ]
 
