@@ -40,7 +40,7 @@ quick = pytest.mark.skipif(not HAS_NUMBA, reason="the plant takes minutes a reco
     ("kind", "command", "effect"),
     [
         ("bare motor", "sweeps", "cogging_torque"),
-        ("ball screw", "pick and place", "spring_load"),
+        pytest.param("ball screw", "pick and place", "spring_load", marks=pytest.mark.release),
         pytest.param("bare motor", "start and stop", "stribeck_friction", marks=pytest.mark.release),
         pytest.param("belt", "sweeps", "quadratic_viscous", marks=pytest.mark.release),
         pytest.param("joint with an arm", "sweeps", "constant_load", marks=pytest.mark.slow),
@@ -376,7 +376,7 @@ def test_a_drive_of_another_clock_is_told_and_a_contact_that_yields_is_none(comm
     assert [(one[2], abs(float(one[1]) - 2.0 * abs(rows)) <= 6.0) for one in told if one] == ([(side, True)] if side else []), remarks
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_two_effects_that_are_refused_alone_are_named_together() -> None:
     actuator = actuator_of("bare motor", 0).changed({"screw.inertia_kgm2": 2e-5})
     found = improve_by_forces(actuator, [in_contact(command, 0.6) for command in range(4)])

@@ -454,7 +454,7 @@ def test_the_observer_without_repeats_knows_how_units_differ_but_not_where_this_
 
 
 @needs_numba
-@pytest.mark.slow
+@pytest.mark.release
 def test_a_small_run_names_rightly(tmp_path: Path) -> None:
     folder = tmp_path / "rows"
     document = tmp_path / "NAMING.md"

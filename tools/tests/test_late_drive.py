@@ -147,6 +147,7 @@ def test_friction_has_changed_behind_a_filter(tmp_path: Path) -> None:
     assert changed == {"screw.csj_Nm": pytest.approx(1.25, rel=0.02)}
 
 
+@pytest.mark.release
 def test_friction_that_differs_by_place_is_named(tmp_path: Path) -> None:
     """In several motions, in either form of asking, with its largest change; one motion alone does not tell it from friction by speed."""
     known, records = machine(tmp_path), runs(placed=0.25, lag_s=0.001)
@@ -235,6 +236,7 @@ def test_a_voltage_is_a_drive_where_the_winding_is_stated(tmp_path: Path) -> Non
     assert found.values["screw.csj_Nm"] == pytest.approx(CSJ, rel=0.03)
 
 
+@pytest.mark.release
 def test_a_winding_that_has_changed_is_said(tmp_path: Path) -> None:
     known, healthy = machine(tmp_path), [electrical(seed, drive=True) for seed in (1, 2, 3)]
     shown = healthy_machine(known, healthy)

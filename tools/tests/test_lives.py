@@ -64,6 +64,7 @@ def test_two_stalls_that_overlap_are_one() -> None:
     assert family.wear(cube, np.array([600.0, 900.0]))[0] == pytest.approx([15.0, 20.0])
 
 
+@pytest.mark.release
 def test_the_ideal_observer_knows_what_it_can() -> None:
     """Of twelve units at 90 % of their life, with readings so rare that it soon has them, the intervals hold most, and even wear is foretold to some percent."""
     hold, rare = [], Draw(every=(20.0, 25.0))

@@ -36,7 +36,7 @@ def test_a_file_that_has_two_is_refused(tmp_path: Path) -> None:
         actuator_of(f"{text}\n[effects.elastic_backlash]\ngap_mm = 0.1\ncontact_mm = 0.1\n", "two.toml")
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_a_play_is_named_on_a_unit_whose_contacts_always_yielded() -> None:
     """What the healthy runs have at the contact stands in the model: the play was never tried there, and "presliding" of half a turn was accepted."""
     row = perform(Trial("half", ("elastic_backlash",), "medium", "chirp", 3))

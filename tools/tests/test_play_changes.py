@@ -109,7 +109,7 @@ def test_a_play_that_has_grown_is_told_and_nothing_else(sheet: Actuator) -> None
     assert any(one.name == "screw.blk_mm" and one.by_import and one.value == pytest.approx(0.03, rel=0.03) for one in found.base)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_a_play_that_is_the_same_is_no_change_beside_more_friction(sheet: Actuator) -> None:
     found = answered(sheet, [record(seed, 0.031, dry=1.3 * DRY) for seed in (60, 61)])
     assert [one.name for one in found.changed] == ["screw.csj_Nm"]

@@ -156,7 +156,7 @@ def test_motion_that_the_healthy_records_do_not_tell_is_no_change(tmp_path: Path
     assert found.doubt_Nm > 0.2 * found.healthy.error_Nm
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_what_the_machine_has_anyhow_is_no_new_effect_when_it_grows(tmp_path: Path, sheet: Actuator) -> None:
     """The bump at standstill of twice the size: a value that changed, and the error falls with it."""
     healthy = [record(tmp_path, seed, rise=0.8) for seed in range(5)]
