@@ -25,19 +25,20 @@ def _value(text: str) -> float:
 
 def _unit(shown: str) -> float:
     """What the one digit that says something counts, of 0.2 a tenth: rounding alone moves it from machine to machine; 0 of numbers with more digits, and of whole ones."""
-    digits = re.fullmatch(r"[+−-]?0\.0*[1-9]", shown.rstrip("."))
-    return 10.0 ** (shown.rstrip(".").index(".") + 1 - len(shown.rstrip("."))) if digits else 0.0
+    alone = re.fullmatch(r"[+−-]?0\.(0*[1-9])", shown.rstrip("."))
+    return 10.0 ** -len(alone[1]) if alone else 0.0
+
+
+def _near(shown: str, real: str) -> bool:
+    one, other = _value(shown), _value(real)
+    least = _LEAST if abs(other) > 10.0 * _LEAST or one == 0.0 else 0.0
+    return abs(one - other) <= max(least, _SHARE * abs(other), 1.01 * _unit(shown))
 
 
 def _alike(shown: str, real: str) -> bool:
     if _NUMBER.sub("#", shown) != _NUMBER.sub("#", real):
         return False
-    pairs = zip(_NUMBER.findall(shown), map(_value, _NUMBER.findall(real)), strict=True)
-    return all(
-        abs(_value(one) - other)
-        <= max(_LEAST if abs(other) > 10.0 * _LEAST or _value(one) == 0.0 else 0.0, _SHARE * abs(other), 1.01 * _unit(one))
-        for one, other in pairs
-    )
+    return all(map(_near, _NUMBER.findall(shown), _NUMBER.findall(real)))
 
 
 def _words(text: str) -> list[str]:

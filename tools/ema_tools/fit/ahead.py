@@ -53,13 +53,13 @@ def reached(laws: Laws, found: Known, own: Reals) -> Reals:
     below = (left - advance) / spread
     gone = special.ndtr(-below)
     some = (laws.walk > 0.0) & (left[:, 0] > 0.0)
-    gone[some, 1:] += _back(left[some], advance[some, 1:], doubt[some, 1:], walked[some, 1:], below[some, 1:])
+    gone[some, 1:] += _back(left[some], advance[some, 1:], doubt[some, 1:], walked[some, 1:], spread[some, 1:], below[some, 1:])
     return np.maximum.accumulate(np.minimum(gone, 1.0), axis=1)
 
 
-def _back(left: Reals, advance: Reals, doubt: Reals, walked: Reals, below: Reals) -> Reals:
+def _back(left: Reals, advance: Reals, doubt: Reals, walked: Reals, spread: Reals, below: Reals) -> Reals:
     """What had been reached and has walked back below the limit, [laws, times]."""
-    mirrored = (left + advance + 2.0 * left * doubt / walked) / np.sqrt(doubt + walked)
+    mirrored = (left + advance + 2.0 * left * doubt / walked) / spread
     # e^(x^2 / 2) of the one and the tail beyond the other, without leaving the numbers
     near = np.exp(-0.5 * below**2) * 0.5 * special.erfcx(np.maximum(mirrored, 0.0) / math.sqrt(2.0))
     past = np.exp(np.minimum(0.5 * (mirrored**2 - below**2), 0.0)) * special.ndtr(-mirrored)
