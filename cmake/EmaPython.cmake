@@ -55,9 +55,9 @@ configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/ema.in" "${CMAKE_BINARY_DIR}/e
 set(ema_unit "${CMAKE_CURRENT_SOURCE_DIR}/recordings/unit")
 add_custom_target(written
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib" "EMA_BIN_DIR=${CMAKE_BINARY_DIR}/bin"
-            "${EMA_VENV_PYTHON}" -B -m ema_tools.vectors "${CMAKE_CURRENT_SOURCE_DIR}/tests/vectors"
+            "${EMA_VENV_PYTHON}" -B -m reference_model.vectors "${CMAKE_CURRENT_SOURCE_DIR}/tests/vectors"
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
-            "${EMA_VENV_PYTHON}" -B -m ema_tools.benchmarks.effects --header "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/ema_costed.def"
+            "${EMA_VENV_PYTHON}" -B -m benchmarks.effects --header "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/ema_costed.def"
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
             "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/ema_schema.h"
     COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
@@ -67,7 +67,7 @@ add_custom_target(written
             --root "${CMAKE_CURRENT_SOURCE_DIR}" --actuator "${ema_unit}/unit.toml" --healthy "${ema_unit}/healthy_1.csv" "${ema_unit}/healthy_2.csv"
             "${ema_unit}/healthy_3.csv" --image "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_units.bin" -- "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_actuator.h"
             "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_signatures.h"
-    WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/tools"
+    WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     DEPENDS venv ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES} ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)
 

@@ -1,6 +1,6 @@
 """Holds one vocabulary in the tools: a class name stands once, so that a reader who meets it knows which it is.
 
-Apart are what shares nothing with the tools on purpose, and programs that are run alone: they have words of their own.
+The reference model and the benchmarks have words of their own: no library looks at names across files.
 """
 
 from __future__ import annotations
@@ -11,18 +11,15 @@ from pathlib import Path
 
 from sources import run
 
-APART = ("reference", "truth", "benchmarks", "vectors")
-
 
 def check(root: Path) -> tuple[list[str], int]:
     """Problems, and the number of classes that were looked at."""
     package = root / "tools" / "ema_tools"
     places: dict[str, list[str]] = {}
     for path in sorted(package.rglob("*.py")):
-        if path.relative_to(package).parts[0] not in APART:
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.ClassDef):
-                    places.setdefault(node.name, []).append(f"{path.relative_to(root)}:{node.lineno}")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name, []).append(f"{path.relative_to(root)}:{node.lineno}")
     problems = [
         f"{where[1]}: class {name} stands at {where[0]}, too: give one of them a name of its own"
         for name, where in places.items()

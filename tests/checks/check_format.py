@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from check_python import PACKAGE, SCRIPTS, TESTS, python_files
+from check_python import PACKAGES, SCRIPTS, TESTS, python_files
 from sources import c_files, fail, finish
 
 C_FOLDERS = ("docs", "include", "port", "src", "tests")
@@ -57,7 +57,7 @@ def check(root: Path, program: str) -> tuple[list[str], int]:
     """Problems, and the number of files looked at."""
     exported = {root / name for name in EXPORTED}
     c = [path for path in c_files(root, *C_FOLDERS, suffixes=(".c", ".h")) if path not in exported]
-    python = python_files(root, PACKAGE, TESTS, *SCRIPTS)
+    python = python_files(root, *PACKAGES, TESTS, *SCRIPTS)
     if not c or not python:
         return [], 0
     with tempfile.TemporaryDirectory() as folder:

@@ -1,6 +1,6 @@
 """Holds the Python against mypy's strict rules and against ruff's, by the settings in tools/pyproject.toml; any finding fails.
 
-mypy looks at the package and at the scripts, ruff at the tests of the package too. A file with a known fault of either kind is looked at with the rest:
+mypy looks at the packages and at the scripts, ruff at the tests too. A file with a known fault of either kind is looked at with the rest:
 where it is not found, nothing else was sought either. Run by a Python that has both, and the types of what the tools use: the preset analysis makes one.
 """
 
@@ -17,7 +17,7 @@ from pathlib import Path
 
 from sources import fail, finish
 
-PACKAGE = "tools/ema_tools"
+PACKAGES = ("tools/ema_tools", "tools/reference_model", "benchmarks")
 TESTS = "tools/tests"
 SCRIPTS = ("cmake", "docs", "tests")
 FINDING = re.compile(r"^(.+?\.pyi?):(\d+):(?:\d+:)? (?:error: )?(.*)$")
@@ -61,7 +61,7 @@ def rest(tool: str, found: list[str], seeded: str) -> list[str]:
 
 def check(root: Path, cache: Path) -> tuple[list[str], int]:
     """Problems, and the number of files looked at. `cache`: folder in which mypy keeps what it knows of unchanged files."""
-    package, scripts, tests = python_files(root, PACKAGE), python_files(root, *SCRIPTS), python_files(root, TESTS)
+    package, scripts, tests = python_files(root, *PACKAGES), python_files(root, *SCRIPTS), python_files(root, TESTS)
     files = [*package, *scripts, *tests]
     if not package:
         return [], 0

@@ -17,7 +17,6 @@ import check_format
 import check_layers
 import check_misra
 import check_python
-import check_python_layers
 import check_requirements
 import check_symbols
 import check_tidy
@@ -758,78 +757,15 @@ class Format(Tree):
         self.assertEqual(self.exit_code("check_format.py", "--root", str(self.root)), 1)
 
 
-class PythonLayers(Tree):
-    """check_python_layers.py"""
-
-    def setUp(self) -> None:
-        super().setUp()
-        self.write("tools/ema_tools/__init__.py", "")
-        self.write("tools/ema_tools/base/__init__.py", "")
-        self.write("tools/ema_tools/base/errors.py", "import math\n")
-        self.write("tools/ema_tools/library/native.py", "from ema_tools.base.errors import wrong\n")
-        self.write("tools/ema_tools/truth/plant.py", "import ema_tools.base.errors\n")
-        self.write("tools/ema_tools/fit/calibrate.py", "from ema_tools.library import native\nfrom ..base import errors\n")
-        self.write("tools/ema_tools/cli.py", "def run():\n    from ema_tools.fit.calibrate import fit\n")
-
-    def problem(self) -> str:
-        """The one problem there is."""
-        problems, _ = check_python_layers.check(self.root)
-        self.assertEqual(len(problems), 1, problems)
-        return problems[0]
-
-    def test_good(self) -> None:
-        """The order as it is meant."""
-        self.assertEqual(check_python_layers.check(self.root), ([], 5))
-        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root)), 0)
-
-    def test_upward(self) -> None:
-        """Upward, beside, inside a function and by a relative import."""
-        for text in (
-            "from ema_tools.fit import calibrate\n",
-            "def a():\n    import ema_tools.fit.calibrate\n",
-            "from ..fit.calibrate import fit\n",
-        ):
-            self.write("tools/ema_tools/base/errors.py", text)
-            problems, _ = check_python_layers.check(self.root)
-            self.assertIn("base imports fit.calibrate, which does not stand below it", problems[0])
-        self.write("tools/ema_tools/base/errors.py", "")
-        self.write("tools/ema_tools/plant/a.py", "import ema_tools.reference.b\n")
-        self.write("tools/ema_tools/reference/b.py", "")
-        self.assertIn("plant imports reference.b, which does not stand below it", self.problem())
-        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root)), 1)
-
-    def test_less_than_the_table_allows(self) -> None:
-        """The truth is independent of what it is held against."""
-        self.write("tools/ema_tools/truth/plant.py", "from ema_tools.library import native\n")
-        self.assertIn("truth imports library.native, which it is to stay independent of", self.problem())
-
-    def test_no_place(self) -> None:
-        """A folder that the table does not have."""
-        self.write("tools/ema_tools/odd/a.py", "")
-        self.assertIn("tools/ema_tools/odd/a.py: odd has no place", self.problem())
-
-    def test_circle(self) -> None:
-        """Two files of one folder that import each other by way of a third."""
-        self.write("tools/ema_tools/base/errors.py", "from ema_tools.base import files\n")
-        self.write("tools/ema_tools/base/files.py", "from ema_tools.base import words\n")
-        self.write("tools/ema_tools/base/words.py", "from ema_tools.base.errors import wrong\n")
-        self.assertIn("base.errors -> base.files -> base.words -> base.errors: a circle", self.problem())
-
-    def test_nothing(self) -> None:
-        """An empty project fails."""
-        self.assertEqual(self.exit_code("check_python_layers.py", "--root", str(self.root / "none")), 1)
-
-
 class ClassNames(Tree):
     """check_class_names.py"""
 
     def setUp(self) -> None:
         super().setUp()
         self.write("tools/ema_tools/fit/a.py", "class Fit:\n    class Step: ...\n")
-        self.write("tools/ema_tools/truth/a.py", "class Fit: ...\n")
 
     def test_good(self) -> None:
-        """What stands apart may have the same name."""
+        """Each name once."""
         self.assertEqual(check_class_names.check(self.root), ([], 2))
         self.assertEqual(self.exit_code("check_class_names.py", "--root", str(self.root)), 0)
 

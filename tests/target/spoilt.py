@@ -21,7 +21,7 @@ import numpy as np
 
 import emulate
 import example
-from ema_tools.benchmarks import faults
+from benchmarks import faults
 from ema_tools.data.records import Record, read_record
 
 FILE = "ace_record.bin"

@@ -62,7 +62,7 @@ def reference(example: dict[str, float], function: str, arguments: str, body: st
 from typing import Any
 
 from ema_tools.base.compiled import compiled
-from ema_tools.reference.point import Point
+from reference_model.point import Point
 
 EXAMPLE = {example!r}
 
@@ -186,7 +186,7 @@ def test_the_page_shows_the_files_as_they_are() -> None:
     assert row[: row.index("\n\n")] in text
     for file in (
         f"src/effects/ema_effect_{SHOWN}.c",
-        f"tools/ema_tools/reference/effects/{SHOWN}.py",
+        f"tools/reference_model/effects/{SHOWN}.py",
         f"tools/ema_tools/library/effects/{SHOWN}.py",
     ):
         assert file in text, file
@@ -218,7 +218,7 @@ def follow(tree: Path, new: New) -> None:
     end = text.index("/* Effects of one's own")
     rows.write_text(text[:end] + new.row + "\n" + text[end:], encoding="utf-8")
     (tree / "src" / "effects" / f"ema_effect_{new.name}.c").write_text(new.c, encoding="utf-8")
-    (tree / "tools" / "ema_tools" / "reference" / "effects" / f"{new.name}.py").write_text(new.reference, encoding="utf-8")
+    (tree / "tools" / "reference_model" / "effects" / f"{new.name}.py").write_text(new.reference, encoding="utf-8")
     (tree / "tools" / "ema_tools" / "library" / "effects" / f"{new.name}.py").write_text(f'"""New."""\n\n{new.record}', encoding="utf-8")
     with (tree / UNIT_NAMES).open("a", encoding="utf-8") as names:
         names.writelines(line + "\n" for line in new.plain_names)
@@ -270,9 +270,9 @@ import numpy as np
 import ema_tools
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.plant.native import library
-from ema_tools.vectors import text
-from ema_tools.vectors.cases import CASES, CHANNELS
-from ema_tools.vectors.records import rows_of, samples_of
+from reference_model.vectors import text
+from reference_model.vectors.cases import CASES, CHANNELS
+from reference_model.vectors.records import rows_of, samples_of
 folder, agrees, *names = sys.argv[1:]
 assert ema_tools.__file__.startswith(folder), ema_tools.__file__
 for name in names:

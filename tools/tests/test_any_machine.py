@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.machines import plants
+from benchmarks.machines.observer import observed
+from benchmarks.machines.plants import EFFECTS, Machine, records
+from benchmarks.machines.trials import HEALTHY, MachineTrial, actuator_of, perform, plan, right, wrong
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.machines import plants
-from ema_tools.benchmarks.machines.observer import observed
-from ema_tools.benchmarks.machines.plants import EFFECTS, Machine, records
-from ema_tools.benchmarks.machines.trials import HEALTHY, MachineTrial, actuator_of, perform, plan, right, wrong
 from ema_tools.compare.motion_validity import judge_motion
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.motion_records import MotionRecord, of_controlled, write_motion_record

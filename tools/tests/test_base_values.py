@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_tools.benchmarks.machines.trials import actuator_of
+from benchmarks.machines.trials import actuator_of
 from ema_tools.data.actuator import FROM_RECORDS, Actuator
 from ema_tools.data.motion_records import MotionRecord, write_motion_record
 from ema_tools.select.base_values import BaseValue

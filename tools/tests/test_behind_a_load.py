@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.machines.trials import ALWAYS, MachineTrial, actuator_of, perform
 from ema_tools.base.progress import untold
-from ema_tools.benchmarks.machines.trials import ALWAYS, MachineTrial, actuator_of, perform
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import MotionRecord
 from ema_tools.select.balance_bench import Bench, floor_of

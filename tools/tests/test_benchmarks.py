@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from benchmarks import accuracy, document
+from benchmarks.__main__ import run
+from benchmarks.speed import measure
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks import accuracy, document
-from ema_tools.benchmarks.__main__ import run
-from ema_tools.benchmarks.speed import measure
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.cases import CASES
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.hidden.catalogue import LIBRARY
+from benchmarks.hidden.machines import machine, measured
+from benchmarks.hidden.sealed import STEP_S
 from ema_tools.base.compiled import HAS_NUMBA
-from ema_tools.benchmarks.hidden.catalogue import LIBRARY
-from ema_tools.benchmarks.hidden.machines import machine, measured
-from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.confounded import confounded_fits, confounded_parameter

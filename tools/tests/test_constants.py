@@ -12,14 +12,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.constants import sweep as sweep_program
+from benchmarks.constants.changing import scaled
+from benchmarks.constants.document import effects_of, written
+from benchmarks.constants.listing import Constant, constants, constants_in, unused, without_reason
+from benchmarks.constants.replay import Job, outline
+from benchmarks.constants.sweep import CASES, Moved, Swept, moved, read_swept, renewed, sources_of, words, write_swept
+from benchmarks.frozen import CASES as FROZEN_CASES
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.constants import sweep as sweep_program
-from ema_tools.benchmarks.constants.changing import scaled
-from ema_tools.benchmarks.constants.document import effects_of, written
-from ema_tools.benchmarks.constants.listing import Constant, constants, constants_in, unused, without_reason
-from ema_tools.benchmarks.constants.replay import Job, outline
-from ema_tools.benchmarks.constants.sweep import CASES, Moved, Swept, moved, read_swept, renewed, sources_of, words, write_swept
-from ema_tools.benchmarks.frozen import CASES as FROZEN_CASES
+from support import ROOT
 
 SOURCE = '''
 """A module."""
@@ -83,7 +84,7 @@ def test_every_number_of_a_value_is_scaled() -> None:
 
 def in_a_process(text: str) -> dict[str, object]:
     """What a program prints as JSON."""
-    ran = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    ran = subprocess.run([sys.executable, "-c", text], cwd=ROOT, capture_output=True, text=True, check=True)
     found: dict[str, object] = json.loads(ran.stdout)
     return found
 
@@ -92,7 +93,7 @@ def in_a_process(text: str) -> dict[str, object]:
 def test_a_changed_constant_is_changed_wherever_it_is_bound() -> None:
     found = in_a_process("""
 import json
-from ema_tools.benchmarks.constants.changing import install_change
+from benchmarks.constants.changing import install_change
 changed = install_change(["select.strategies.strategy:LEAST_LIMIT"], 2.0)
 import ema_tools.select.strategies.strategy as strategy, ema_tools.tasks.add as add
 from ema_tools.select.strategies import DataSheetAlone, WithRepeats
@@ -101,7 +102,7 @@ print(json.dumps([changed, strategy.LEAST_LIMIT, add.LEAST_LIMIT, WithRepeats.li
     assert found == [{"select.strategies.strategy:LEAST_LIMIT": True}, 60.0, 60.0, 60.0, 120.0]
     found = in_a_process("""
 import json
-from ema_tools.benchmarks.constants.changing import install_change
+from benchmarks.constants.changing import install_change
 changed = install_change(["select.strategies.with_repeats:WithRepeats.limits.finalists", "fit.evidence:_ROUNDS"], 0.5)
 from ema_tools.select.strategies import WithRepeats
 import ema_tools.fit.evidence as evidence
@@ -113,7 +114,7 @@ print(json.dumps([WithRepeats.limits.finalists, WithRepeats.limits.finalist_shar
 def test_readings_are_noted() -> None:
     found = in_a_process("""
 import json
-from ema_tools.benchmarks.constants.changing import install_notes
+from benchmarks.constants.changing import install_notes
 read, imported = install_notes()
 import numpy as np
 from ema_tools.fit.bounded import FreeValue, OneSided, Stop, fit

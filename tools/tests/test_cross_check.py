@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.hidden import machines
+from benchmarks.hidden.sealed import record_of
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.hidden import machines
-from ema_tools.benchmarks.hidden.sealed import record_of
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.plant.native import SearchSettings

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from benchmarks.accuracy import TRUTH_LIMIT_PERCENT
+from benchmarks.truth import recordings, scattered
 from demo_run import demo_run
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.accuracy import TRUTH_LIMIT_PERCENT
 from ema_tools.cli import cli, demo
 from ema_tools.data import own_unit, story
 from ema_tools.data.actuator import read_actuator
 from ema_tools.data.cases import CASES
 from ema_tools.data.records import read_record
 from ema_tools.tasks.export import header_text
-from ema_tools.truth import recordings, scattered
 
 pytestmark = pytest.mark.slow
 
@@ -110,7 +110,7 @@ def test_every_step_shows_its_command(made: tuple[Path, str]) -> None:
 def test_story_recordings_are_reproduced_and_tell_nothing_else(tmp_path: Path) -> None:
     shipped = demo.recordings_folder() / "story"
     for path in recordings.write_story(tmp_path):
-        assert path.read_bytes() == (shipped / path.name).read_bytes(), f"{path.name}: run python -m ema_tools.truth.recordings recordings"
+        assert path.read_bytes() == (shipped / path.name).read_bytes(), f"{path.name}: run python -m benchmarks.truth.recordings recordings"
         head = "".join(line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#"))
         assert story.EFFECT not in head and "stiction" not in head.lower() and "CSJ" not in head
     assert {path.name for path in shipped.iterdir()} == {path.name for path in tmp_path.iterdir()}

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.detection import document, trials
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.detection import document, trials
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import write_record
 from ema_tools.design.detection import Detection, detection, moved_chirps, scatter_given

@@ -8,10 +8,10 @@ import re
 import numpy as np
 import pytest
 
+from benchmarks.hidden.machines import machine, measured
+from benchmarks.hidden.sealed import STEP_S
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError, taken
-from ema_tools.benchmarks.hidden.machines import machine, measured
-from ema_tools.benchmarks.hidden.sealed import STEP_S
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record

@@ -11,11 +11,11 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import POINT, SITES, library
-from ema_tools.reference import encoder, pid
-from ema_tools.reference.actuator import build
-from ema_tools.reference.effects import SITE_FUNCTIONS, example_of, module_of
-from ema_tools.reference.point import Data, Point
-from ema_tools.vectors.parts import PID_CASES
+from reference_model import encoder, pid
+from reference_model.actuator import build
+from reference_model.effects import SITE_FUNCTIONS, example_of, module_of
+from reference_model.point import Data, Point
+from reference_model.vectors.parts import PID_CASES
 
 WARMS = ("WINDING", "GREASE")
 AT_POINTS = [effect for effect in load_definitions().effects if effect.site not in ("PARAMETER", "PRESLIDING", "TRANSMISSION", *WARMS)]

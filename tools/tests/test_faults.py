@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_tools.benchmarks import faults
+from benchmarks import faults
 from ema_tools.data.records import read_record
 from host_program import PROGRAM
 

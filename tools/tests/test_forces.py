@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.truth.plant import Sensors, simulate_truth
 from ema_tools.balances.mechanical import mechanical, quiet_smoother
 from ema_tools.base.errors import MissingSignal
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
@@ -21,7 +22,6 @@ from ema_tools.select.force_balance import EFFECTS_MAX, improve_by_forces
 from ema_tools.select.force_judge import SIZE_IN_STD
 from ema_tools.select.force_steps import ForceSteps
 from ema_tools.select.torque_patterns import pattern_of, patterns_of
-from ema_tools.truth.plant import Sensors, simulate_truth
 from ema_tools.words.answers.balance import forces_of
 from support import chirp_record, emps_path, run_ema
 

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.truth import Sensors, forms, simulate_truth
+from benchmarks.truth.climate import at_temperature
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import defaults
-from ema_tools.reference import Recording, simulate
-from ema_tools.reference.commands import chirp, times_s, triangle
-from ema_tools.truth import Sensors, forms, simulate_truth
-from ema_tools.truth.climate import at_temperature
+from reference_model import Recording, simulate
+from reference_model.commands import chirp, times_s, triangle
 
 pytestmark = [
     pytest.mark.slow,

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.hidden.machines import STEP_S, command_mm
+from benchmarks.truth.plant import Sensors, scattered, simulate_truth
 from ema_tools.base.compiled import HAS_NUMBA
-from ema_tools.benchmarks.hidden.machines import STEP_S, command_mm
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record, write_record
 from ema_tools.select.cross_check import CrossCheck
 from ema_tools.tasks.add import add, add_to_known
 from ema_tools.tasks.identify import Identified, identify
-from ema_tools.truth.plant import Sensors, scattered, simulate_truth
 from ema_tools.words.answers.identification import identification
 from ema_tools.words.sentences.identification import reasons, sentence
 from support import REFERENCE, chirp_record, complaint, run_ema

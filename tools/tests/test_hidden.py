@@ -11,19 +11,19 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.hidden import documents, machines, observer, pictures, running, scoring, sealed, trials
+from benchmarks.hidden.__main__ import main
+from benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES, change, stands_for
+from benchmarks.hidden.trials import KINDS, Plan, Trial
+from benchmarks.truth import forms, outside
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.hidden import documents, machines, observer, pictures, running, scoring, sealed, trials
-from ema_tools.benchmarks.hidden.__main__ import main
-from ema_tools.benchmarks.hidden.catalogue import FAULTS, FORMS, LIBRARY, OUTSIDE, SEVERITIES, change, stands_for
-from ema_tools.benchmarks.hidden.trials import KINDS, Plan, Trial
 from ema_tools.cli import cli
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import write_record
 from ema_tools.fit import nuisance as spread
 from ema_tools.library.definitions import load_definitions
 from ema_tools.select import baseline as gathering
-from ema_tools.truth import forms, outside
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pytest
 
+from benchmarks.effects import costed_changes
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError, LibraryError
-from ema_tools.benchmarks.effects import costed_changes
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.library.definitions import load_definitions, named_library
 from ema_tools.plant.lanes import Lanes, lanes

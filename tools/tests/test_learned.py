@@ -12,11 +12,11 @@ from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
 from ema_tools.library.definitions import TableAxis, load_definitions
 from ema_tools.plant.native import library
-from ema_tools.reference import table
-from ema_tools.reference.actuator import build
-from ema_tools.reference.effects import example_of
-from ema_tools.reference.point import Data, Point
 from ema_tools.tasks.export import flat_text, header_text
+from reference_model import table
+from reference_model.actuator import build
+from reference_model.effects import example_of
+from reference_model.point import Data, Point
 from support import ROOT, chirp_record, run_ema
 
 LEARNED = tuple(effect.name for effect in load_definitions().effects if effect.is_learned)

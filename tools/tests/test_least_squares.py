@@ -9,18 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.searches import problems
+from benchmarks.truth.plant import simulate_truth
 from ema_tools.base.errors import InputError
 from ema_tools.base.recording import Recording
-from ema_tools.benchmarks.searches import problems
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record, write_record
 from ema_tools.plant.least_squares import Searched, SquaresFound, SquaresSettings, least_squares
 from ema_tools.plant.native import CHANNELS
-from ema_tools.reference.commands import chirp, times_s
 from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.reading import read_result
 from ema_tools.tasks.several_values import searched_of, several_values
-from ema_tools.truth.plant import simulate_truth
+from reference_model.commands import chirp, times_s
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 EIGHT = ",".join(one.names[0] for one in problems.EIGHT)

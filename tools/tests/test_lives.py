@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from ema_tools.benchmarks.lives.document import Found, Still, document
-from ema_tools.benchmarks.lives.few_numbers import FewNumbers
-from ema_tools.benchmarks.lives.histories import FED, HARDER, KINDS, LENGTHS, LIMIT, ONSETS, POWERS, STALLS, Draw, readings, wear_of
-from ema_tools.benchmarks.lives.ideal import ideal
-from ema_tools.benchmarks.lives.others import OTHER_KINDS, other_wear
-from ema_tools.benchmarks.lives.scores import Asked, Said, accuracy, cumulative, held, unfloored
+from benchmarks.lives.document import Found, Still, document
+from benchmarks.lives.few_numbers import FewNumbers
+from benchmarks.lives.histories import FED, HARDER, KINDS, LENGTHS, LIMIT, ONSETS, POWERS, STALLS, Draw, readings, wear_of
+from benchmarks.lives.ideal import ideal
+from benchmarks.lives.others import OTHER_KINDS, other_wear
+from benchmarks.lives.scores import Asked, Said, accuracy, cumulative, held, unfloored
 
 
 def _place(ends: tuple[float, float], value: float) -> float:

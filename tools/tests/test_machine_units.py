@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.machines.trials import actuator_of
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.machines.trials import actuator_of
 from ema_tools.data.motion_records import MotionRecord, write_motion_record
 from ema_tools.library.registry import called, effect_called, named
 from ema_tools.tasks.diagnose_by_balance import gates_of

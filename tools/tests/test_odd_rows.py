@@ -8,8 +8,8 @@ from contextlib import redirect_stdout
 import numpy as np
 import pytest
 
+from benchmarks.machines.trials import actuator_of
 from ema_tools.base.arrays import Reals
-from ema_tools.benchmarks.machines.trials import actuator_of
 from ema_tools.compare.friction_map import measured_bump
 from ema_tools.compare.motion_validity import judge_motion
 from ema_tools.compare.odd_rows import UNSEEN

@@ -11,10 +11,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from benchmarks.hidden.machines import machine, measured
+from benchmarks.hidden.sealed import record_of
 from ema_tools.base.arrays import Reals
 from ema_tools.base.recording import Recording
-from ema_tools.benchmarks.hidden.machines import machine, measured
-from ema_tools.benchmarks.hidden.sealed import record_of
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.tasks.diagnose import answer

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks import onboard as benchmark
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks import onboard as benchmark
 from ema_tools.data.actuator import Actuator, reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.library.definitions import library_folder

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.hidden.trials import Trial, perform
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.hidden.trials import Trial, perform
 from ema_tools.data.actuator import actuator_of, read_actuator
 from ema_tools.library.one_at_a_site import acting
 from ema_tools.tasks.simulate import with_settings

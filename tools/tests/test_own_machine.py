@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.hidden import machines
+from benchmarks.hidden.sealed import record_of
 from ema_tools.base.compiled import HAS_NUMBA
-from ema_tools.benchmarks.hidden import machines
-from ema_tools.benchmarks.hidden.sealed import record_of
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, write_record
 from ema_tools.plant.native import SearchSettings

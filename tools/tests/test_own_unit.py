@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.truth import recordings
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.data import own_unit
 from ema_tools.data.actuator import read_actuator, reference_actuator
@@ -17,8 +18,7 @@ from ema_tools.plant.signatures_header import read_signatures
 from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.onboard_search import run
 from ema_tools.tasks.own_machine import own_machine
-from ema_tools.truth import recordings
-from ema_tools.vectors import session
+from reference_model.vectors import session
 from support import ROOT
 
 UNIT = ROOT / "recordings" / "unit"
@@ -40,7 +40,7 @@ def flown(name: str, table: Table | None = None) -> Identification:
 @needs_numba
 def test_recordings_are_reproduced_and_tell_nothing(tmp_path: Path) -> None:
     for path in recordings.write_unit(tmp_path):
-        assert path.read_bytes() == (UNIT / path.name).read_bytes(), f"{path.name}: run python -m ema_tools.truth.recordings recordings"
+        assert path.read_bytes() == (UNIT / path.name).read_bytes(), f"{path.name}: run python -m benchmarks.truth.recordings recordings"
         head = "".join(line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#"))
         assert own_unit.EFFECT not in head and "CSJ" not in head and "worn" not in head
     assert {path.name for path in UNIT.iterdir()} == {"unit.toml", *(path.name for path in tmp_path.iterdir())}

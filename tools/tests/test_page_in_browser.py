@@ -18,6 +18,7 @@ from ema_tools.words.page.several_page import own_answers
 from ema_tools.words.page.sheet import FirstScreen
 from in_browser import LAPTOP, PHONE, SMALL, at_rest, first_paint_ms, hindrances, launched, not_reached
 from report_results import JUDGED, compared_whole, judged
+from support import ROOT
 
 # Whole record of the made-up results, s.
 _END = 9.999
@@ -302,7 +303,8 @@ def test_looks_for_the_documents_are_drawn(browser: Any, tmp_path: Path) -> None
     # a driver of its own: two cannot run in one thread
     path = diagnosis_page(tmp_path, diagnosis("healthy"))
     ran = subprocess.run(
-        [sys.executable, "-m", "ema_tools.benchmarks.page_looks", path, tmp_path, "x"],
+        [sys.executable, "-m", "benchmarks.page_looks", path, tmp_path, "x"],
+        cwd=ROOT,
         capture_output=True,
         text=True,
         timeout=120,

@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import defaults, load_definitions
-from ema_tools.reference import commands, elementary, encoder, simulate
-from ema_tools.reference.actuator import build
-from ema_tools.reference.commands import chirp, times_s
-from ema_tools.reference.effects import SITE_FUNCTIONS, example_of, module_of
+from reference_model import commands, elementary, encoder, simulate
+from reference_model.actuator import build
+from reference_model.commands import chirp, times_s
+from reference_model.effects import SITE_FUNCTIONS, example_of, module_of
 
 pytestmark = [
     pytest.mark.release,  # compiling the model takes half a minute; in every run its vectors hold the C

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from benchmarks.frozen import read_frozen
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.frozen import read_frozen
 from ema_tools.results.addition import Addition
 from ema_tools.results.codec import FORMAT, SPARE, Series, _choices, _rows, from_json, to_json
 from ema_tools.results.comparison import BalanceErrorEntry, ChannelErrorEntry, ComparisonResult

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from ema_tools.benchmarks.robustness.__main__ import main
-from ema_tools.benchmarks.robustness.design import FACTORS, drawn, one_at_a_time
-from ema_tools.benchmarks.robustness.document import written
-from ema_tools.benchmarks.robustness.trials import perform, warnings_of
+from benchmarks.robustness.__main__ import main
+from benchmarks.robustness.design import FACTORS, drawn, one_at_a_time
+from benchmarks.robustness.document import written
+from benchmarks.robustness.trials import perform, warnings_of
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.tasks.onboard_search import search_warnings
 from support import RECORDINGS, REFERENCE, run_ema

@@ -15,8 +15,8 @@ from ema_tools.plant.native import AnnealerSettings, library
 from support import RECORDINGS
 
 pytest.importorskip("nlopt", reason="a search of the comparison is not installed: its wheels end before this Python")
-from ema_tools.benchmarks.optimum import optimum
-from ema_tools.benchmarks.searches import baseline, document, problems, rivals, trials
+from benchmarks.optimum import optimum
+from benchmarks.searches import baseline, document, problems, rivals, trials
 
 pytestmark = pytest.mark.release
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from benchmarks.hidden.machines import machine, measured
+from benchmarks.hidden.sealed import record_of
 from ema_tools.base.arrays import Reals
-from ema_tools.benchmarks.hidden.machines import machine, measured
-from ema_tools.benchmarks.hidden.sealed import record_of
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.shared_noise import shared_noise

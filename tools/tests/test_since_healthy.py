@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ema_tools.benchmarks.machines.plants import EFFECTS, Machine, records_of_day
-from ema_tools.benchmarks.since_healthy.document import right, written, wrong
-from ema_tools.benchmarks.since_healthy.trials import CHANGES, HEALTHY_DAYS, NOTHING, TODAY, DayTrial, perform, plan
+from benchmarks.machines.plants import EFFECTS, Machine, records_of_day
+from benchmarks.since_healthy.document import right, written, wrong
+from benchmarks.since_healthy.trials import CHANGES, HEALTHY_DAYS, NOTHING, TODAY, DayTrial, perform, plan
 
 CSJ, VISCOUS, SHARE = "screw.csj_Nm", "screw.viscous_Nm_s_per_rad", "screw.dynamic_ratio"
 

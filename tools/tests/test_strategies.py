@@ -8,8 +8,8 @@ from typing import NamedTuple, cast
 import numpy as np
 import pytest
 
+from benchmarks.hidden import sealed, trials
 from ema_tools.base.compiled import HAS_NUMBA
-from ema_tools.benchmarks.hidden import sealed, trials
 from ema_tools.fit.evidence import View
 from ema_tools.fit.refit import Fit
 from ema_tools.select import search

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.truth import Sensors, effects, outside, recordings, scattered, simulate_truth
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import load_definitions
-from ema_tools.reference import Recording, simulate
-from ema_tools.reference.commands import chirp, times_s, triangle
-from ema_tools.reference.effects import example_of
-from ema_tools.truth import Sensors, effects, outside, recordings, scattered, simulate_truth
-from ema_tools.vectors.cases import CASES, Case
-from ema_tools.vectors.records import samples_of
+from reference_model import Recording, simulate
+from reference_model.commands import chirp, times_s, triangle
+from reference_model.effects import example_of
+from reference_model.vectors.cases import CASES, Case
+from reference_model.vectors.records import samples_of
 
 pytestmark = [
     pytest.mark.release,
@@ -212,7 +212,7 @@ def test_bad_requests_are_named() -> None:
 def test_shipped_recordings_are_reproduced(tmp_path: Path) -> None:
     for made in recordings.write(tmp_path):
         shipped = SHIPPED / made.name
-        assert made.read_bytes() == shipped.read_bytes(), f"{made.name}: run python -m ema_tools.truth.recordings recordings"
+        assert made.read_bytes() == shipped.read_bytes(), f"{made.name}: run python -m benchmarks.truth.recordings recordings"
         assert shipped.stat().st_size < 1 << 20
     assert {path.name for path in tmp_path.iterdir()} == {f"{shipped.name}.csv" for shipped in recordings.SHIPPED}
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.hidden.machines import command_mm
+from benchmarks.verdicts import two_mass
+from benchmarks.verdicts.trials import TWO_MASSES, drawn
 from ema_tools.base.recording import Recording
-from ema_tools.benchmarks.hidden.machines import command_mm
-from ema_tools.benchmarks.verdicts import two_mass
-from ema_tools.benchmarks.verdicts.trials import TWO_MASSES, drawn
 from ema_tools.data.actuator import reference_actuator
 
 

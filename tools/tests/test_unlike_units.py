@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks.hidden import scoring
+from benchmarks.hidden.machines import width_of_units
+from benchmarks.hidden.trials import Trial, perform
 from ema_tools.base.compiled import HAS_NUMBA
-from ema_tools.benchmarks.hidden import scoring
-from ema_tools.benchmarks.hidden.machines import width_of_units
-from ema_tools.benchmarks.hidden.trials import Trial, perform
 
 pytestmark = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 

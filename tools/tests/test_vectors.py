@@ -12,11 +12,11 @@ import pytest
 
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import load_definitions
-from ema_tools.reference.random import Pcg32
-from ema_tools.vectors import __main__ as generator
-from ema_tools.vectors import parts, text
-from ema_tools.vectors.cases import CASES, CHANNELS, Case
-from ema_tools.vectors.records import samples_of
+from reference_model.random import Pcg32
+from reference_model.vectors import __main__ as generator
+from reference_model.vectors import parts, text
+from reference_model.vectors.cases import CASES, CHANNELS, Case
+from reference_model.vectors.records import samples_of
 
 STORED = Path(__file__).parents[2] / "tests" / "vectors"
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba has no wheel here: the vectors would take many minutes")
@@ -31,7 +31,7 @@ def test_stored_files_are_reproduced(tmp_path: Path, monkeypatch: pytest.MonkeyP
     stored = {path.name: path.read_bytes() for path in STORED.iterdir()}
     assert sorted(made) == sorted(stored)
     different = [name for name in made if made[name] != stored[name]]
-    assert not different, f"{different}: run python -m ema_tools.vectors tests/vectors"
+    assert not different, f"{different}: run python -m reference_model.vectors tests/vectors"
     per_vector = sum(map(len, made.values())) / len(made)
     assert per_vector < 64_000, f"{per_vector:.0f} bytes a file: write shorter records"
     assert max(map(len, made.values())) < 1 << 20

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.machines.trials import actuator_of
 from ema_tools.balances.forward import forward_percent
 from ema_tools.base.errors import InputError
-from ema_tools.benchmarks.machines.trials import actuator_of
 from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord, write_motion_record
 from ema_tools.library.definitions import load_definitions

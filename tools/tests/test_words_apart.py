@@ -11,7 +11,7 @@ import pytest
 import ema_tools
 
 PACKAGE = Path(ema_tools.__file__).parent
-COMPUTING = ("base", "library", "plant", "data", "reference", "results", "balances", "fit", "compare", "select", "design", "tasks", "truth")
+COMPUTING = ("base", "library", "plant", "data", "results", "balances", "fit", "compare", "select", "design", "tasks")
 
 
 def imported(path: Path) -> Iterator[str]:

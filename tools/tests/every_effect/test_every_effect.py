@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from benchmarks.effects import header
 from ema_tools.base.arrays import Reals
-from ema_tools.benchmarks.effects import header
 from ema_tools.data.actuator import reference_actuator, row_of
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record
@@ -22,11 +22,11 @@ from ema_tools.fit.whitening import Whitener, least_noise, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import described, record_of, separating
 from ema_tools.plant.native import library
-from ema_tools.reference.effects import example_of
 from ema_tools.results.codec import to_json
 from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.answers.effects import effects as written
+from reference_model.effects import example_of
 from support import ROOT, run_ema
 
 EFFECTS = [effect.name for effect in load_definitions().effects]

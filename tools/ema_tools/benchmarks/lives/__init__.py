@@ -1,1 +1,0 @@
-"""How well remaining life is foretold: histories, the observer that knows how they are drawn, scores and the document. `python -m ema_tools.benchmarks.lives`."""
