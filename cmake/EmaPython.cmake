@@ -68,13 +68,13 @@ add_custom_target(written
             "${ema_unit}/healthy_3.csv" --image "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_units.bin" -- "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_actuator.h"
             "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_signatures.h"
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
-    DEPENDS venv ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES} ema_identify
+    DEPENDS venv ema_desk32 ema_desk64 ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)
 
 add_custom_target(demo
     COMMAND "${CMAKE_BINARY_DIR}/ema" demo
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
-    DEPENDS venv page_library ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES} ema_identify
+    DEPENDS venv page_library ema_desk32 ema_desk64 ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)
 # The page's workbench holds the module.
 if(TARGET ema_wasm)

@@ -1,6 +1,6 @@
 # What a wheel holds beside the Python package: the libraries that it calls, the reference actuator and the recordings of its demo. Built by pyproject.toml.
 
-foreach(library ema_desk32 ema_desk64 ${EMA_LANES_LIBRARIES})
+foreach(library ema_desk32 ema_desk64)
     install(TARGETS ${library} COMPONENT wheel LIBRARY DESTINATION ema_tools/lib RUNTIME DESTINATION ema_tools/lib)
 endforeach()
 # The page's workbench, where the compiler for it is there.

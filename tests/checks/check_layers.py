@@ -26,7 +26,7 @@ ALLOWED = {
     "trend": {"base", "trend"},
 }
 # Port -> levels whose private headers it may see.
-PORT_SEES = {"port/desk": {"base", "effects", "blocks"}, "port/lanes": {"base", "effects", "blocks", "plant"}}
+PORT_SEES = {"port/desk": {"base", "effects", "blocks"}}
 # What of the C library the module may use: types, limits, memory copies; square root behind one header.
 SYSTEM = {"stdint.h", "stddef.h", "stdbool.h", "float.h", "limits.h", "string.h"}
 SYSTEM_ONLY_IN = {"math.h": "src/base/ema_math.h"}

@@ -141,3 +141,19 @@ def test_first_exception_of_parallel_work_is_raised_and_order_is_kept() -> None:
     assert counted == list(range(1, 21))
     with pytest.raises(ZeroDivisionError):
         each(lambda item: 1 // item, [1, 0, 2])
+
+
+def test_many_runs_are_single_runs_and_a_refused_one_leaves_the_others_alone() -> None:
+    command = chirp_record().command_mm
+    values = np.array([VALUES, VALUES, VALUES])
+    values[1, load_definitions().ids["screw.csj_Nm"]] = np.nan
+    values[2, load_definitions().ids["screw.csj_Nm"]] *= 1.5
+    first, refused, last = library().simulate_many(values, OPTIONS, command, ("current_A", "position_mm"))
+    with pytest.raises(InputError) as single:
+        library().simulate(values[1], OPTIONS, command)
+    assert isinstance(refused, InputError)
+    assert str(refused) == str(single.value)
+    for many, row in ((first, values[0]), (last, values[2])):
+        alone = library().simulate(row, OPTIONS, command)
+        assert isinstance(many, np.ndarray)
+        assert many.tobytes() == np.array([alone.current_A, alone.position_mm]).tobytes()

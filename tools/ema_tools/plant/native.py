@@ -23,7 +23,6 @@ from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, LibraryError
 from ema_tools.library.definitions import library_function, library_path, load_definitions, open_library, read_definitions
 from ema_tools.library.schema import schema_of
-from ema_tools.plant.lanes import lanes
 
 IDENTIFIED_MAX = 4
 DIMENSION_MAX = 8
@@ -541,24 +540,12 @@ class Library:
     def simulate_many(
         self, values: Reals, options: Integers, command_mm: Reals, signals: Sequence[str] = OUTPUTS, start_mm: float = 0.0
     ) -> list[Reals | InputError]:
-        """The `signals` [signals, rows], of OUTPUTS, that `simulate` gives for each row of `values` [runs, values] with the same options: the same bits, in a share of the time
-        where the runs differ in size alone.
+        """Simulate each row of `values` [runs, values] with the same options; return its `signals` [signals, rows], of OUTPUTS.
 
-        In the place of a run that the model refuses stands the error that `simulate` raises. Raises LibraryError when the libraries are of different builds.
+        A run that the model refuses is replaced by the InputError that `simulate` raises.
         """
-        command = np.ascontiguousarray(command_mm, dtype=np.float64)
         rows = np.ascontiguousarray(values, dtype=np.float64)
-        beside = lanes(self.bits, len(rows))
-        if beside is None:
-            return [self._tried(row, options, command, signals, start_mm) for row in rows]
-        places = [OUTPUTS.index(name) for name in signals]
-        with beside.simulated(rows, options, command, start_mm) as runs:
-            return [
-                np.array([out[place] for place in places], dtype=np.float64)
-                if status == 0
-                else self._refusal(int(status), "simulate", row, options)
-                for row, out, status in zip(rows, runs.out, runs.status, strict=True)
-            ]
+        return [self._tried(row, options, command_mm, signals, start_mm) for row in rows]
 
     def _tried(self, values: Reals, options: Integers, command_mm: Reals, signals: Sequence[str], start_mm: float) -> Reals | InputError:
         try:
