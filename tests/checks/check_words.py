@@ -24,7 +24,7 @@ MODULE_WORDS = {
     " log1pf powf cbrtf hypotf fmodf remainderf": "the C library's bits differ between machines; use ema_math",
     "__attribute__ __builtin_expect __asm__ asm typeof __typeof__ __extension__": "plain C11 only",
 }
-TREE_SUFFIXES = {".c", ".h", ".def", ".inc", ".py", ".md", ".toml", ".txt", ".cmake", ".json", ".in", ".yml", ".sh", ".html"}
+TREE_SUFFIXES = {".c", ".h", ".def", ".py", ".md", ".toml", ".txt", ".cmake", ".json", ".in", ".yml", ".sh", ".html"}
 # Written in two pieces so that this file does not accuse itself.
 TREE_PATTERNS = {
     r"\b(TO" r"DO|FIX" r"ME|XX" r"X)\b": "finish it or leave it out",
