@@ -24,7 +24,7 @@ CLANGS = ("clang", *(f"clang-{version}" for version in range(22, 13, -1)))
 DOCUMENTS = ("README.md", "docs/FIRMWARE.md", "docs/ONBOARD_DIAGNOSIS.md", "docs/YOUR_OWN_EFFECT.md", "docs/ADD_AN_EFFECT.md")
 BLOCK = re.compile(r"^ {0,3}```+[ \t]*[cC]\b[^\n]*\n(.*?)^ {0,3}```", re.MULTILINE | re.DOTALL)
 ROW = re.compile(r"^EMA_EFFECT\((\w+),", re.MULTILINE)
-# What the documents call the headers that `ema export` writes, and where such ones are.
+# Names in the documents of headers that `ema export` writes, and the exported headers of the example firmware.
 EXPORTED = {"ema_actuator_data.h": "ace_actuator.h", "ema_signatures.h": "ace_signatures.h"}
 # Whatever reads rows of effects: their sites, the structures, the ranges of their values.
 ROWS_READ = ("ema_effect_sites.h", "ema_actuator.c")
@@ -100,8 +100,8 @@ def blocks_of(root: Path, document: Path) -> list[str]:
     return blocks
 
 
-def check_snippets(root: Path, compiler: str, also: list[str], documents: tuple[str, ...] = DOCUMENTS) -> tuple[list[str], int]:
-    """Every block of C in the documents; `also`: folders of headers that are not the project's."""
+def check_snippets(root: Path, compiler: str, exported: Path, also: list[str], documents: tuple[str, ...] = DOCUMENTS) -> tuple[list[str], int]:
+    """Every block of C in the documents. `exported`: folder of headers that `ema export` wrote; `also`: folders of headers that are not the project's."""
     problems: list[str] = []
     checked = 0
     found = sorted({root / "README.md", *(root / name for name in documents), *(root / "docs").rglob("*.md")})
@@ -116,15 +116,15 @@ def check_snippets(root: Path, compiler: str, also: list[str], documents: tuple[
                 f"{document.relative_to(root)}: no block of C in it: begin one with ```c, or take the document out of DOCUMENTS in check_compiles.py"
             )
         with tempfile.TemporaryDirectory() as folder:
-            problems += [f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, also, Path(folder), blocks)]
+            problems += [f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, exported, also, Path(folder), blocks)]
     return problems, checked
 
 
-def snippet_errors(root: Path, compiler: str, also: list[str], folder: Path, blocks: list[str]) -> list[str]:
+def snippet_errors(root: Path, compiler: str, exported: Path, also: list[str], folder: Path, blocks: list[str]) -> list[str]:
     """First error of each of a document's blocks, in each precision."""
     errors: list[str] = []
-    for name, exported in EXPORTED.items():
-        (folder / name).write_text(f'#include "{root / "port/cortex_m/example" / exported}"\n', encoding="utf-8")
+    for name, header in EXPORTED.items():
+        (folder / name).write_text(f'#include "{exported / header}"\n', encoding="utf-8")
     rows = [block for block in blocks if ROW.search(block)]
     flags = [
         "-I",
@@ -156,6 +156,7 @@ def main() -> int:
     parser.add_argument("what", choices=("headers", "clang", "snippets"))
     parser.add_argument("--root", type=Path, required=True)
     parser.add_argument("--compiler", default="cc")
+    parser.add_argument("--exported", type=Path, help="snippets: folder of headers that `ema export` wrote")
     parser.add_argument("--also", action="append", default=[], help="snippets: a folder of headers that are not the project's")
     arguments = parser.parse_args()
     root = arguments.root.resolve()
@@ -163,7 +164,7 @@ def main() -> int:
         problems, checked = check_headers(root, arguments.compiler)
         return finish("headers", problems, checked, "headers")
     if arguments.what == "snippets":
-        problems, checked = check_snippets(root, arguments.compiler, arguments.also)
+        problems, checked = check_snippets(root, arguments.compiler, arguments.exported, arguments.also)
         return finish("snippets", problems, checked, "blocks of C")
     clang = next((path for name in CLANGS if (path := shutil.which(name))), None)
     if clang is None:

@@ -19,7 +19,7 @@ from sources import fail, finish
 
 PACKAGES = ("tools/ema_tools", "tools/reference_model", "benchmarks")
 TESTS = "tools/tests"
-SCRIPTS = ("cmake", "docs", "tests")
+SCRIPTS = ("cmake", "examples", "tests")
 FINDING = re.compile(r"^(.+?\.pyi?):(\d+):(?:\d+:)? (?:error: )?(.*)$")
 LOOKED_AT = re.compile(r"\b(?:in|checked) (\d+) source files?\b")
 

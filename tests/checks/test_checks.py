@@ -464,7 +464,7 @@ class Compiles(Tree):
         """Problems of documents that must show C, by name."""
         for name, text in texts.items():
             self.write(f"docs/{name}.md", text)
-        return check_compiles.check_snippets(self.root, str(COMPILER), [], tuple(f"docs/{name}.md" for name in texts))[0]
+        return check_compiles.check_snippets(self.root, str(COMPILER), self.root, [], tuple(f"docs/{name}.md" for name in texts))[0]
 
     @unittest.skipUnless(COMPILER, "needs a compiler")
     def test_snippets(self) -> None:
@@ -486,9 +486,9 @@ class Compiles(Tree):
         self.assertIn("no block of C", self.snippets(page=good.replace("```c", "```"))[0])
         self.assertEqual(len(self.snippets(page=good + "\n```C\nint;;\n```\n")), 2)
         (self.root / "docs/page.md").unlink()
-        self.assertIn("not there", check_compiles.check_snippets(self.root, str(COMPILER), [], ("docs/page.md",))[0][0])
+        self.assertIn("not there", check_compiles.check_snippets(self.root, str(COMPILER), self.root, [], ("docs/page.md",))[0][0])
         self.write("docs/other.md", good.replace("a(1)", "c(1)"))
-        self.assertEqual(len(check_compiles.check_snippets(self.root, str(COMPILER), [], ())[0]), 2)
+        self.assertEqual(len(check_compiles.check_snippets(self.root, str(COMPILER), self.root, [], ())[0]), 2)
 
     @unittest.skipUnless(COMPILER, "needs a compiler")
     def test_rows_of_effects(self) -> None:
@@ -728,7 +728,6 @@ class Format(Tree):
         self.write("tools/pyproject.toml", "[tool.ruff]\nline-length = 100\n")
         self.write("tools/ema_tools/a.py", "a = 1\n")
         self.write("src/base/ema_a.c", "int ema_a(void);\n")
-        self.write("port/cortex_m/example/ace_signatures.h", "int   as_written ;\n")
 
     def problems(self) -> list[str]:
         """Problems of the tree."""
