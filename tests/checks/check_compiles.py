@@ -1,8 +1,8 @@
 """Compiles without linking, for facts that the build does not show.
 
-`headers`: every header of include and src compiles alone, and twice. `clang`: clang's own warning about hidden
-conversions between float types, which gcc lacks; without clang the check is skipped (exit code 77). `snippets`: every
-block of C in README.md and docs compiles as it stands there; rows of effects are taken as effects of one's own.
+No library serves: CMake's own check of header sets knows neither private headers, nor two precisions, nor a second
+inclusion, and none knows blocks of C in documents. `headers`: every header of include and src compiles alone, and twice.
+`snippets`: every block of C in README.md and docs compiles; rows of effects are compiled as effects of the user.
 All in float32 and in float64.
 """
 
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -18,8 +17,6 @@ from pathlib import Path
 
 from sources import c_files, finish
 
-SKIP = 77
-CLANGS = ("clang", *(f"clang-{version}" for version in range(22, 13, -1)))
 # Documents that live by their C: one in which no block is found has lost it, or hides it from this check.
 DOCUMENTS = ("README.md", "docs/FIRMWARE.md", "docs/ONBOARD_DIAGNOSIS.md", "docs/YOUR_OWN_EFFECT.md", "docs/ADD_AN_EFFECT.md")
 BLOCK = re.compile(r"^ {0,3}```+[ \t]*[cC]\b[^\n]*\n(.*?)^ {0,3}```", re.MULTILINE | re.DOTALL)
@@ -66,25 +63,6 @@ def check_headers(root: Path, compiler: str) -> tuple[list[str], int]:
                 if error:
                     problems.append(f"{header.relative_to(root)} alone, EMA_REAL64={real64}: {error}")
     return problems, len(headers)
-
-
-def check_clang(root: Path, compiler: str) -> tuple[list[str], int]:
-    """Every C file of the module and its ports with clang's float conversion warnings as errors; not the board's, nor what wants the headers of a standard."""
-    problems: list[str] = []
-    files = [file for file in c_files(root, "src", "port", suffixes=(".c",)) if not {"cortex_m", "fmi"} & set(file.parts)]
-    for file in files:
-        for real64 in (0, 1):
-            flags = [
-                *include_flags(root),
-                f"-DEMA_REAL64={real64}",
-                "-Wimplicit-float-conversion",
-                "-Wfloat-conversion",
-                "-Wdouble-promotion",
-            ]
-            error = compile_errors(compiler, flags, file)
-            if error:
-                problems.append(f"{file.relative_to(root)}, EMA_REAL64={real64}: {error}")
-    return problems, len(files)
 
 
 def blocks_of(root: Path, document: Path) -> list[str]:
@@ -153,7 +131,7 @@ def snippet_errors(root: Path, compiler: str, exported: Path, also: list[str], f
 def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("headers", "clang", "snippets"))
+    parser.add_argument("what", choices=("headers", "snippets"))
     parser.add_argument("--root", type=Path, required=True)
     parser.add_argument("--compiler", default="cc")
     parser.add_argument("--exported", type=Path, help="snippets: folder of headers that `ema export` wrote")
@@ -163,15 +141,8 @@ def main() -> int:
     if arguments.what == "headers":
         problems, checked = check_headers(root, arguments.compiler)
         return finish("headers", problems, checked, "headers")
-    if arguments.what == "snippets":
-        problems, checked = check_snippets(root, arguments.compiler, arguments.exported, arguments.also)
-        return finish("snippets", problems, checked, "blocks of C")
-    clang = next((path for name in CLANGS if (path := shutil.which(name))), None)
-    if clang is None:
-        print("clang: not on this machine, check skipped: install the package clang to run it")
-        return SKIP
-    problems, checked = check_clang(root, clang)
-    return finish("clang", problems, checked, "files")
+    problems, checked = check_snippets(root, arguments.compiler, arguments.exported, arguments.also)
+    return finish("snippets", problems, checked, "blocks of C")
 
 
 if __name__ == "__main__":

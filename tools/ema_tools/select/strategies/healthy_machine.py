@@ -56,7 +56,9 @@ class HealthyMachine(Strategy):
             return False
         width = f"effects.{effect}.{local.spot}"
         # the width of an effect that the model held before is not fitted
-        return fit.values.get(width, self.evidence.actuator[row_of(width).name]) > WIDEST_SPOT * float(np.ptp(self.evidence.record.command_mm))
+        return fit.values.get(width, self.evidence.actuator[row_of(width).name]) > WIDEST_SPOT * float(
+            np.ptp(self.evidence.record.command_mm)
+        )
 
     def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
