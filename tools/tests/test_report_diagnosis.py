@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import xml.etree.ElementTree as ElementTree
-from functools import cache
 from pathlib import Path
 from typing import Any
 
