@@ -1,6 +1,5 @@
 # What the tests of the module need on an emulated board: start of a program, emulator, float32 alone (the boards have no float64 unit).
 
-find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 add_subdirectory("${PROJECT_SOURCE_DIR}/port/cortex_m" port_cortex_m)
 set(ema_test_bits 32)
 set(ema_test_start EMA::board m)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import re
+import shutil
 import struct
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.library.definitions import load_definitions
 from reference_model.random import Pcg32
 from reference_model.vectors import __main__ as generator
-from reference_model.vectors import parts, text
+from reference_model.vectors import parts, tables
 from reference_model.vectors.cases import CASES, CHANNELS, Case
 from reference_model.vectors.records import samples_of
 
@@ -32,16 +33,41 @@ def test_stored_files_are_reproduced(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert sorted(made) == sorted(stored)
     different = [name for name in made if made[name] != stored[name]]
     assert not different, f"{different}: run python -m reference_model.vectors tests/vectors"
-    per_vector = sum(map(len, made.values())) / len(made)
-    assert per_vector < 64_000, f"{per_vector:.0f} bytes a file: write shorter records"
-    assert max(map(len, made.values())) < 1 << 20
 
 
-def stored_rows(case: Case) -> np.ndarray:
-    """The float64 table of a stored file, [rows, channels]; that the reference model makes it is the test above."""
-    body = (STORED / f"ema_vec_{case.name}.inc").read_text(encoding="utf-8")
-    words = [int(word, 16) for word in re.findall(r"0x([0-9A-F]{16})U", body)]
-    return np.array(words, dtype=np.uint64).view(np.float64).reshape(-1, len(CHANNELS))
+@cache
+def stored() -> tables.Stored:
+    """The stored vectors; that the reference model makes them is the test above."""
+    return tables.read(STORED)
+
+
+def test_stored_files_are_small() -> None:
+    assert (STORED / tables.NUMBERS).stat().st_size < 1 << 19, "write shorter records"
+    assert (STORED / tables.MANIFEST).read_text(encoding="utf-8").count("\n") < 500
+
+
+@pytest.mark.parametrize(("offset", "message"), [(-1, "trend_beyond_said differs"), (0, "whole_healthy differs")])
+def test_a_changed_number_is_refused(
+    tmp_path: Path, offset: int, message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in (tables.MANIFEST, tables.NUMBERS):
+        shutil.copyfile(STORED / name, tmp_path / name)
+    content = bytearray((tmp_path / tables.NUMBERS).read_bytes())
+    content[offset] ^= 1
+    (tmp_path / tables.NUMBERS).write_bytes(content)
+    monkeypatch.setattr("sys.argv", ["tables", str(tmp_path), str(tmp_path / "made")])
+    assert tables.main() == 1
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "made").exists()
+
+
+def test_a_number_too_many_is_refused(tmp_path: Path) -> None:
+    for name in (tables.MANIFEST, tables.NUMBERS):
+        shutil.copyfile(STORED / name, tmp_path / name)
+    with (tmp_path / tables.NUMBERS).open("ab") as numbers:
+        numbers.write(bytes(8))
+    with pytest.raises(ValueError, match=f"{8 + (STORED / tables.NUMBERS).stat().st_size} bytes"):
+        tables.read(tmp_path)
 
 
 def test_published_random_numbers() -> None:
@@ -59,23 +85,36 @@ def test_uniforms_and_normals() -> None:
 
 @pytest.mark.parametrize("value", [0.0, 1.0, -2.5, 0.1, 1e-40, 3.4e38, -1e-3])
 def test_bits(value: float) -> None:
-    assert struct.unpack("<d", struct.pack("<Q", int(text.bits64(value)[:-1], 16)))[0] == value
-    assert np.uint32(int(text.bits32(value)[:-1], 16)).view(np.float32) == np.float32(value)
+    assert struct.unpack("<d", struct.pack("<Q", int(tables.bits64(value)[:-1], 16)))[0] == value
+    assert np.uint32(int(tables.bits32(value)[:-1], 16)).view(np.float32) == np.float32(value)
 
 
 def test_manifest_names_every_case_with_its_tolerance_and_why() -> None:
-    manifest = json.loads((STORED / "manifest.json").read_text())
+    manifest = stored().manifest
     assert [entry["name"] for entry in manifest["records"]] == [case.name for case in CASES]
     for entry in manifest["records"]:
         for precision in ("f64", "f32"):
-            allowed = entry["tolerance"][precision]
-            assert set(allowed["largest"]) == set(CHANNELS)
-            assert all(allowed["rms"][channel] <= allowed["largest"][channel] for channel in CHANNELS)
+            allowed = manifest["tolerances"][entry["tolerance"][precision]]
+            assert len(allowed["largest"]) == len(allowed["rms"]) == len(CHANNELS)
+            assert all(rms <= largest for rms, largest in zip(allowed["rms"], allowed["largest"], strict=True))
             assert len(allowed["why"]) > 30
-        body = (STORED / entry["file"]).read_text()
-        assert body.count("0x") == 2 * 5 * entry["samples"]
-    for entry in manifest["parts"]:
-        assert "why" in json.dumps(entry), entry["name"]
+        assert len(stored().rows[entry["name"]]) == -(
+            -entry["steps"] // (entry["every_rows"] * entry.get("options", {}).get("timing.record_every_steps", 1))
+        )
+        assert {len(row) for row in stored().rows[entry["name"]]} == {len(CHANNELS)}
+    for part in ("pid", "random", "trend"):
+        assert manifest[part]["why"]
+    assert all(case["why"] for case in manifest["command_cases"])
+
+
+@pytest.mark.parametrize("name", ["whole_healthy", "trend_even_said"])
+def test_tables_hold_the_stored_numbers_in_both_precisions(name: str) -> None:
+    rows = np.array(stored().rows[name])
+    written = tables.texts(stored())["ema_vectors.inc" if name in {case.name for case in CASES} else "ema_vec_trend.inc"]
+    array = rf"ema_vec_{name}(?:_bits)?\[{rows.shape[0]}\]\[{rows.shape[1]}\] = {{(.*?)}};"
+    wide, narrow = ([int(word, 16) for word in re.findall("0x([0-9A-F]+)U", body)] for body in re.findall(array, written, re.DOTALL))
+    assert np.array_equal(np.array(wide, dtype=np.uint64).view(np.float64).reshape(rows.shape), rows)
+    assert np.array_equal(np.array(narrow, dtype=np.uint32).view(np.float32).reshape(rows.shape), rows.astype(np.float32))
 
 
 def test_every_effect_and_every_block_has_a_record() -> None:
@@ -86,16 +125,17 @@ def test_every_effect_and_every_block_has_a_record() -> None:
 
 
 def test_settings_are_split_by_kind() -> None:
-    lines = text.settings("X1", {"screw.csj_Nm": 0.3, "control.structure": 1, "spring_load.stiffness_Nm_per_mm": 2.0})
-    assert lines == [
+    kinds = generator.settings({"screw.csj_Nm": 0.3, "control.structure": 1, "spring_load.stiffness_Nm_per_mm": 2})
+    assert tables.settings("X1", kinds) == [
         "#define X1_OVERRIDES(X) X(screw, csj_Nm, 0.3)",
         "#define X1_OPTIONS(X) X(control, structure, 1)",
         "#define X1_EFFECTS(X) X(spring_load, stiffness_Nm_per_mm, 2.0)",
     ]
+    assert tables.settings("X1", {})[1] == "#define X1_OPTIONS(X)"
     # each literal takes the suffix of a float
-    for path in STORED.glob("*.inc"):
-        for literal in re.findall(r"EMA_R\(([^)]*)\)", path.read_text()):
-            assert re.fullmatch(r"-?(\d+\.\d+(e[-+]\d+)?|\d+e[-+]\d+)", literal), f"{path.name}: {literal}"
+    for name, content in tables.texts(stored()).items():
+        for literal in re.findall(r"EMA_R\(([^)]*)\)", content):
+            assert re.fullmatch(r"-?(\d+\.\d+(e[-+]\d+)?|\d+e[-+]\d+)", literal), f"{name}: {literal}"
 
 
 @pytest.mark.slow
@@ -110,7 +150,7 @@ def test_control_law_inputs_are_exact_in_float32_and_saturate_sometimes() -> Non
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_records_show_what_they_are_for(case: Case) -> None:
-    rows = stored_rows(case)
+    rows = np.array(stored().rows[case.name])
     position, motor, current, voltage, speed = rows.T
     name = case.name
     command = np.abs(samples_of(case)).max()

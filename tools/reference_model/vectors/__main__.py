@@ -6,209 +6,156 @@ import argparse
 import hashlib
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from reference_model.vectors import parts, session, text, trends
-from reference_model.vectors.cases import CASES, CHANNELS, Tolerance
+from ema_tools.library.definitions import EffectParameter, load_definitions
+from reference_model.vectors import parts, session, trends
+from reference_model.vectors.cases import CASES, CHANNELS, Case
 from reference_model.vectors.records import OVERSAMPLE, rows_of
+from reference_model.vectors.tables import MANIFEST, NUMBERS, packed
 
-VERSION = 1
-
-
-def _pid_text() -> str:
-    lines = text.head("The control law alone: command mm, feedback mm, output; one run per row, 1 ms apart")
-    names = " ".join(f"X({case.name}, {case.name.upper()})" for case in parts.PID_CASES)
-    lines += [
-        f"#define EMA_VEC_PID_CASES(X) {names}",
-        f"#define EMA_VEC_PID_RUNS {parts.PID_RUNS}U",
-        f"#define EMA_VEC_PID_PERIOD_S {text.real(parts.STEP_S)}",
-    ]
-    lines += _alone("EMA_VEC_PID_TOLERANCE", parts.PID_TOLERANCE)
-    for case in parts.PID_CASES:
-        lines += text.settings(f"EMA_VEC_PID_{case.name.upper()}", case.values)
-        lines += text.table(f"ema_vec_pid_{case.name}_bits", parts.pid_rows(case))
-    return "\n".join(lines) + "\n"
+VERSION = 2
 
 
-def _command_text() -> str:
-    lines = text.head("The commands: value in mm at every EVERY-th step of 1 ms")
-    names = " ".join(f"X({case.name}, {case.name.upper()})" for case in parts.COMMAND_CASES)
-    lines += [
-        f"#define EMA_VEC_COMMAND_CASES(X) {names}",
-        f"#define EMA_VEC_COMMAND_ROWS {parts.COMMAND_ROWS}U",
-        f"#define EMA_VEC_COMMAND_STEP_S {text.real(parts.STEP_S)}",
-    ]
-    for case in parts.COMMAND_CASES:
-        prefix = f"EMA_VEC_COMMAND_{case.name.upper()}"
-        amplitude = abs(case.command.amplitude_mm)
-        allowed = {"f64": case.tolerance64 * amplitude, "f32": case.tolerance32 * amplitude}
-        _, values = parts.command_rows(case.command, case.every)
-        lines += [
-            f"#define {prefix}_CONFIG {text.initialiser(case.command)}",
-            f"#define {prefix}_EVERY {case.every}U",
-            *_alone(f"{prefix}_TOLERANCE_MM", allowed),
-            *text.table(f"ema_vec_command_{case.name}_bits", values[:, np.newaxis]),
-        ]
-    return "\n".join(lines) + "\n"
+def settings(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """`values` by name `section.field`, apart by kind: `parameters` and `effects` as floats, `options` as whole numbers; empty kinds are left out."""
+    known = load_definitions()
+    found: dict[str, dict[str, float]] = {"parameters": {}, "options": {}, "effects": {}}
+    for name, value in values.items():
+        row = known.find(name)
+        if isinstance(row, EffectParameter):
+            found["effects"][name] = float(value)
+        elif row.is_option:
+            found["options"][name] = int(value)
+        else:
+            found["parameters"][name] = float(value)
+    return {kind: entries for kind, entries in found.items() if entries}
 
 
-def _random_text() -> str:
-    lines = text.head("The random numbers of a seed and a stream: words, then uniforms and normals of a fresh start")
-    calls = " ".join(f"X({index}, 0x{seed:X}ULL, 0x{stream:X}ULL)" for index, (seed, stream) in enumerate(parts.RANDOM_CASES))
-    lines += [f"#define EMA_VEC_RANDOM_CASES(X) {calls}", f"#define EMA_VEC_RANDOM_DRAWS {parts.RANDOM_DRAWS}U"]
-    lines += _alone("EMA_VEC_RANDOM_NORMAL_TOLERANCE", parts.NORMAL_TOLERANCE)
-    for index, (seed, stream) in enumerate(parts.RANDOM_CASES):
-        lines += text.words(f"ema_vec_random_{index}_words", parts.random_draws(seed, stream))
-        reals = np.array([parts.uniform_draws(seed, stream), parts.normal_draws(seed, stream)]).T
-        lines += text.table(f"ema_vec_random_{index}_bits", reals)
-    return "\n".join(lines) + "\n"
-
-
-def _alone(name: str, tolerance: dict[str, float]) -> list[str]:
-    wide, narrow = text.real(tolerance["f64"]), text.real(tolerance["f32"])
-    return ["#if EMA_REAL64", f"#define {name} {wide}", "#else", f"#define {name} {narrow}", "#endif"]
-
-
-def _index_text() -> str:
-    lines = [
-        *text.head("All records of the whole model; X(case, CASE) finds ema_vec_<case>_bits and EMA_VEC_<CASE>_..."),
-        "#ifndef EMA_VECTORS_INC",
-        "#define EMA_VECTORS_INC",
-        "",
-        "#include <stddef.h>",
-        "#include <stdint.h>",
-        "",
-        '#include "ema/ema_command.h"',
-        '#include "ema/ema_real.h"',
-        "",
-        "/* The bits of an ema_real: copy them with memcpy. */",
-        "#if EMA_REAL64",
-        "typedef uint64_t ema_vec_bits_t;",
-        "#else",
-        "typedef uint32_t ema_vec_bits_t;",
-        "#endif",
-        "",
-        f"#define EMA_VEC_CHANNELS {len(CHANNELS)}U",
-        "",
-    ]
-    lines += [f'#include "ema_vec_{case.name}.inc"' for case in CASES]
-    calls = " \\\n".join(f"    X({case.name}, {case.name.upper()})" for case in CASES)
-    return "\n".join([*lines, "", "#define EMA_VEC_CASES(X) \\", calls, "", "#endif"]) + "\n"
-
-
-def _allowed(tolerance: Tolerance) -> dict[str, object]:
+def record_entry(case: Case) -> dict[str, Any]:
+    """What the manifest holds of one record of the whole model."""
     return {
-        "largest": dict(zip(CHANNELS, tolerance.largest, strict=True)),
-        "rms": dict(zip(CHANNELS, tolerance.rms, strict=True)),
-        "why": tolerance.why,
+        "name": case.name,
+        "shows": case.shows,
+        **settings(case.values),
+        "command": vars(case.command),
+        "start_mm": case.start_mm,
+        "steps": case.steps,
+        "every_rows": case.every_rows,
+        "tolerance": {"f64": case.tolerance64.name, "f32": case.tolerance32.name},
     }
 
 
-def texts() -> dict[str, str]:
-    """Every file by its name."""
-    files = {
-        "ema_vectors.inc": _index_text(),
-        "ema_vec_pid.inc": _pid_text(),
-        "ema_vec_commands.inc": _command_text(),
-        "ema_vec_random.inc": _random_text(),
-        trends.FILE: trends.trend_text(),
-    }
-    entries: list[dict[str, object]] = []
-    for case in track(CASES, "reference vectors", console=Console(stderr=True)):
-        rows = rows_of(case)
-        name = f"ema_vec_{case.name}.inc"
-        files[name] = text.case_text(case, rows)
-        entries.append(
-            {
-                "name": case.name,
-                "file": name,
-                "shows": case.shows,
-                "parameters": case.values,
-                "command": dict(vars(case.command)),
-                "start_mm": case.start_mm,
-                "steps": case.steps,
-                "every_rows": case.every_rows,
-                "samples": int(rows.shape[0]),
-                "tolerance": {"f64": _allowed(case.tolerance64), "f32": _allowed(case.tolerance32)},
-            }
-        )
-    alone = [
-        {
-            "name": f"pid_{case.name}",
-            "file": "ema_vec_pid.inc",
-            "shows": case.shows,
-            "parameters": case.values,
-            "seed": parts.PID_SEED,
-            "samples": parts.PID_RUNS,
-            "tolerance": {**parts.PID_TOLERANCE, "why": parts.PID_WHY},
-        }
-        for case in parts.PID_CASES
-    ]
-    alone += [
-        {
-            "name": f"command_{case.name}",
-            "file": "ema_vec_commands.inc",
-            "parameters": vars(case.command),
-            "every_steps": case.every,
-            "samples": parts.COMMAND_ROWS,
-            "tolerance_of_amplitude": {"f64": case.tolerance64, "f32": case.tolerance32, "why": case.why},
-        }
-        for case in parts.COMMAND_CASES
-    ]
-    alone += [
-        {
-            "name": f"random_{index}",
-            "file": "ema_vec_random.inc",
-            "seed": seed,
-            "stream": stream,
-            "samples": parts.RANDOM_DRAWS,
-            "tolerance": {"words": 0, "uniform": 0.0, "normal": {**parts.NORMAL_TOLERANCE, "why": parts.NORMAL_WHY}},
-        }
-        for index, (seed, stream) in enumerate(parts.RANDOM_CASES)
-    ]
-    alone += [
-        {
-            "name": f"trend_{case.name}",
-            "file": trends.FILE,
-            "shows": case.shows,
-            "samples": case.count,
-            "looks": list(case.looks),
-            "tolerance_of_value": {**trends.TOLERANCE, "why": trends.WHY},
-        }
-        for case in trends.CASES
-    ]
-    files[session.FILE] = (
-        json.dumps(
-            {
-                "shows": "a session with standing effects in its model and grease and winding of the day searched beside CSJ and BLK",
-                "source": "the desk's float32 library, record kept in float32; reals as the bits of float32",
-                "actuator": f"recordings/unit/{session.ACTUATOR}",
-                "record": f"recordings/unit/{session.RECORD}",
-                "seed": session.SEED,
-                "answer": session.answer(),
-            },
-            indent=1,
-        )
-        + "\n"
-    )
-    manifest = {
+def _part_tables() -> dict[str, np.ndarray]:
+    """The tables of what is called on its own, [rows, columns] each."""
+    rows = {f"pid_alone_{case.name}": parts.pid_rows(case) for case in parts.PID_CASES}
+    for case in parts.COMMAND_CASES:
+        rows[f"command_{case.name}"] = parts.command_rows(case.command, case.every)[1][:, np.newaxis]
+    for place, start in enumerate(parts.RANDOM_CASES):
+        rows[f"random_{place}"] = np.array([parts.random_draws(*start), parts.uniform_draws(*start), parts.normal_draws(*start)]).T
+    for unit in trends.CASES:
+        rows[f"trend_{unit.name}_readings"] = np.array(trends.readings(unit)).T
+        rows[f"trend_{unit.name}_said"] = trends.said(unit)
+    return rows
+
+
+def _manifest() -> dict[str, Any]:
+    """All but the tables."""
+    tolerances = {tolerance.name: tolerance for case in CASES for tolerance in (case.tolerance64, case.tolerance32)}
+    return {
         "generator": "reference_model.vectors",
         "version": VERSION,
-        "source": "float64 reference model (reference), rounded once to float32 for the f32 tables",
+        "source": "float64 reference model, rounded once to float32 for the f32 tables",
         "same_bits_because": "IEEE additions, multiplications, divisions and square roots in a fixed order, own sine and"
         " exponential, no library function whose last bit differs between machines",
         "oversample": OVERSAMPLE,
         "channels": list(CHANNELS),
-        "records": entries,
-        "parts": alone,
-        "sha256": {name: hashlib.sha256(content.encode()).hexdigest() for name, content in sorted(files.items())},
+        "tolerances": {
+            name: {"largest": tolerance.largest, "rms": tolerance.rms, "why": tolerance.why} for name, tolerance in tolerances.items()
+        },
+        "records": [record_entry(case) for case in CASES],
+        "pid": {
+            "runs": parts.PID_RUNS,
+            "period_s": parts.STEP_S,
+            "seed": parts.PID_SEED,
+            "tolerance": parts.PID_TOLERANCE,
+            "why": parts.PID_WHY,
+        },
+        "pid_cases": [{"name": case.name, "shows": case.shows, **settings(case.values)} for case in parts.PID_CASES],
+        "commands": {"rows": parts.COMMAND_ROWS, "step_s": parts.STEP_S},
+        "command_cases": [
+            {
+                "name": case.name,
+                "command": vars(case.command),
+                "every_steps": case.every,
+                "tolerance_mm": {
+                    "f64": case.tolerance64 * abs(case.command.amplitude_mm),
+                    "f32": case.tolerance32 * abs(case.command.amplitude_mm),
+                },
+                "why": case.why,
+            }
+            for case in parts.COMMAND_CASES
+        ],
+        "random": {"draws": parts.RANDOM_DRAWS, "tolerance": parts.NORMAL_TOLERANCE, "why": parts.NORMAL_WHY},
+        "random_cases": [{"seed": seed, "stream": stream} for seed, stream in parts.RANDOM_CASES],
+        "trend": {
+            "columns": trends.COLUMNS,
+            "false_alarm": trends.FALSE_ALARM,
+            "tolerance": trends.TOLERANCE,
+            "why": trends.WHY,
+        },
+        "trend_cases": [{"name": case.name, "shows": case.shows, "limit": case.limit, "looks": case.looks} for case in trends.CASES],
     }
-    files["manifest.json"] = json.dumps(manifest, indent=1) + "\n"
-    return files
+
+
+def _text_of(manifest: Mapping[str, Any]) -> str:
+    """JSON with one line per entry; a list or an object of objects has one line per object."""
+    entries = []
+    for key, value in manifest.items():
+        objects = list(value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ())
+        if not objects or not all(isinstance(part, Mapping) for part in objects):
+            entries.append(f"{json.dumps(key)}: {json.dumps(value)}")
+        elif isinstance(value, Mapping):
+            lines = ",\n".join(f"  {json.dumps(name)}: {json.dumps(part)}" for name, part in value.items())
+            entries.append(f"{json.dumps(key)}: {{\n{lines}\n }}")
+        else:
+            lines = ",\n".join(f"  {json.dumps(part)}" for part in value)
+            entries.append(f"{json.dumps(key)}: [\n{lines}\n ]")
+    return "{\n " + ",\n ".join(entries) + "\n}\n"
+
+
+def _session_text() -> str:
+    content = {
+        "shows": "a session with standing effects in its model and grease and winding of the day searched beside CSJ and BLK",
+        "source": "the desk's float32 library, record kept in float32; reals as the bits of float32",
+        "actuator": f"recordings/unit/{session.ACTUATOR}",
+        "record": f"recordings/unit/{session.RECORD}",
+        "seed": session.SEED,
+        "answer": session.answer(),
+    }
+    return json.dumps(content, indent=1) + "\n"
+
+
+def files() -> dict[str, bytes]:
+    """Every file by its name."""
+    rows = {case.name: rows_of(case) for case in track(CASES, "reference vectors", console=Console(stderr=True))} | _part_tables()
+    content = {name: packed(table.tolist()) for name, table in rows.items()}
+    manifest = _manifest()
+    manifest["tables"] = {
+        name: {"rows": table.shape[0], "columns": table.shape[1], "sha256": hashlib.sha256(content[name]).hexdigest()}
+        for name, table in rows.items()
+    }
+    return {
+        MANIFEST: _text_of(manifest).encode(),
+        NUMBERS: b"".join(content.values()),
+        session.FILE: _session_text().encode(),
+    }
 
 
 def main() -> int:
@@ -219,8 +166,8 @@ def main() -> int:
     if not folder.is_dir():
         print(f"{folder}: not a folder: make it first", file=sys.stderr)
         return 1
-    for name, content in texts().items():
-        (folder / name).write_text(content, encoding="utf-8", newline="\n")
+    for name, content in files().items():
+        (folder / name).write_bytes(content)
     return 0
 
 

@@ -29,50 +29,59 @@ class Command:
 class Tolerance:
     """Largest deviation allowed, per channel in the order of CHANNELS, in any row and in the mean square over the rows."""
 
+    name: str
     largest: tuple[float, ...]
     rms: tuple[float, ...]
     why: str
 
-    def scaled(self, factor: float, why: str) -> Tolerance:
-        """Wider by `factor` in every channel, for the reason `why`."""
+    def scaled(self, factor: float, name: str, why: str) -> Tolerance:
+        """Wider by `factor` in every channel, under another name, for the reason `why`."""
         largest = tuple(value * factor for value in self.largest)
-        return Tolerance(largest, tuple(value * factor for value in self.rms), why)
+        return Tolerance(name, largest, tuple(value * factor for value in self.rms), why)
 
 
 EXACT64 = Tolerance(
+    "exact64",
     (2e-8, 2e-8, 2e-6, 2e-6, 2e-6),
     (5e-9, 5e-9, 5e-7, 5e-7, 5e-7),
     "the plant is linear between events and its input is held, so a step is exact; left are the resolution of located"
     " events and the remainder of the reference, a hundred thousand times below the accuracy goal",
 )
 ROUNDED32 = Tolerance(
+    "rounded32",
     (3e-5, 3e-5, 3e-4, 4e-4, 2e-3),
     (1e-5, 1e-5, 8e-5, 1e-4, 3e-4),
     "rounding of float32: the frequencies of the command shift its phase by up to 8e-6 rad, 1.6e-5 mm; positions to 2.4e-7 mm"
     " at 2 mm, seen through the loop's gain of 9.6 V/mm; a twentieth of the accuracy goal",
 )
 IN_MOTION = Tolerance(
+    "in_motion",
     (1e-4, 1e-4, 4e-3, 2e-3, 5e-3),
     (4e-5, 4e-5, 5e-4, 4e-4, 1e-3),
     "the effect acts in motion, so a step is no longer exact; a fifth of the accuracy goal of 0.2 um, half of that of 1 mA",
 )
-SATURATED = IN_MOTION.scaled(2.0, "the torque enters and leaves its limit inside a step, at a moment found to a part of it")
+SATURATED = IN_MOTION.scaled(2.0, "saturated", "the torque enters and leaves its limit inside a step, at a moment found to a part of it")
 STRETCHED = IN_MOTION.scaled(
-    2.0, "the reversal of a contact that stretches is not located: the play sees the turning point to a part of an integration step"
+    2.0,
+    "stretched",
+    "the reversal of a contact that stretches is not located: the play sees the turning point to a part of an integration step",
 )
 TOUCHED = Tolerance(
+    "touched",
     (2e-4, 2e-4, 2e-2, 2e-3, 5e-3),
     (4e-5, 4e-5, 5e-4, 4e-4, 1e-3),
     "a current that reaches its limit and leaves it again inside one step is not seen: a few steps of the record, by up to 0.4 %"
     " of the limit; half of the accuracy goal of 1 mA rms",
 )
 SOFT = Tolerance(
+    "soft",
     (5e-4, 1e-4, 4e-3, 2e-3, 1e-1),
     (2e-4, 4e-5, 5e-4, 4e-4, 2e-2),
     "a rod of 40 Hz, excited by every contact of the play: the accuracy goal of 0.2 um at the rod, seen as speed 250 times"
     " as large, and a fifth of it at the motor",
 )
 FLIPPED32 = Tolerance(
+    "flipped32",
     (5e-4, 5e-4, 8e-2, 0.1, 0.1),
     (1e-4, 1e-4, 1e-2, 1e-2, 1e-2),
     "a feedback within rounding of float32 of the edge of a 5 um step may read one step more: 0.048 V for one step, at most two at a time",
@@ -149,7 +158,7 @@ _BLOCK_CASES: tuple[Case, ...] = (
         900,
         4,
         {"control.ki_per_m_s": 4_000.0, "control.output_limit": 0.6},
-        tolerance32=ROUNDED32.scaled(6.0, "rounding of float32 on a stroke of 15 mm, and a tenfold integral gain"),
+        tolerance32=ROUNDED32.scaled(6.0, "rounded32_15_mm", "rounding of float32 on a stroke of 15 mm, and a tenfold integral gain"),
     ),
     Case(
         "pid_cascade",
@@ -165,7 +174,9 @@ _BLOCK_CASES: tuple[Case, ...] = (
             "control.speed_limit_m_s": 0.03,
             "control.average_speed": 1,
         },
-        tolerance32=ROUNDED32.scaled(3.0, "rounding of float32 on a stroke of 5 mm, through a speed gain that makes 24 V of 0.1 m/s"),
+        tolerance32=ROUNDED32.scaled(
+            3.0, "rounded32_5_mm", "rounding of float32 on a stroke of 5 mm, through a speed gain that makes 24 V of 0.1 m/s"
+        ),
     ),
     # 2. controller and drive electronics
     Case("drive_voltage", "voltage mode at a low bus voltage", SHORT_CHIRP, 2_500, 10, {"drive.supply_V": 16.0}),
@@ -184,7 +195,9 @@ _BLOCK_CASES: tuple[Case, ...] = (
         500,
         2,
         {"drive.mode": 1, "drive.current_scale_A": 20.0, "drive.current_loop_s": 5e-4, "control.kd_s_per_m": 8.0},
-        tolerance32=ROUNDED32.scaled(12.0, "rounding of float32 on a stroke of 10 mm, through a derivative gain of 160 A s/m over 1 ms"),
+        tolerance32=ROUNDED32.scaled(
+            12.0, "rounded32_10_mm", "rounding of float32 on a stroke of 10 mm, through a derivative gain of 160 A s/m over 1 ms"
+        ),
     ),
     Case(
         "drive_current_at_once",

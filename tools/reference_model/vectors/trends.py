@@ -10,10 +10,8 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.fit.wear import outlook
-from reference_model.vectors import text
 from reference_model.vectors.parts import normal_draws
 
-FILE = "ema_vec_trend.inc"
 COLUMNS = ("odds", "now", "now_std", "by", "rate", "rate_std", "low", "median", "high", "reached", "drifts", "towards")
 FALSE_ALARM = 0.01  # [chance]
 TOLERANCE = {"f64": 2e-6, "f32": 5e-4}
@@ -77,23 +75,3 @@ def said(case: TrendCase) -> Reals:
         numbers = (found.odds, life.now, found.now_std, drift.by, found.rate, found.rate_std, *times, life.reached, drift.changed, towards)
         rows.append([float(f"{float(one):.{_DIGITS}g}") for one in numbers])
     return np.array(rows)
-
-
-def trend_text() -> str:
-    """The file of vectors."""
-    lines = text.head("Trend: readings (day, value %, standard error %), and what is said after some: " + ", ".join(COLUMNS))
-    lines += [f"#define EMA_VEC_TREND_CASES(X) {' '.join(f'X({case.name}, {case.name.upper()})' for case in CASES)}"]
-    lines += [f"#define EMA_VEC_TREND_COLUMNS {len(COLUMNS)}U", f"#define EMA_VEC_TREND_FALSE_ALARM {text.real(FALSE_ALARM)}"]
-    for condition, name in (("#if EMA_REAL64", "f64"), ("#else", "f32")):
-        lines += [condition, f"#define EMA_VEC_TREND_TOLERANCE {TOLERANCE[name]!r}"]
-    lines += ["#endif"]
-    for case in CASES:
-        prefix = f"EMA_VEC_TREND_{case.name.upper()}"
-        lines += [
-            f"#define {prefix}_READINGS {case.count}U",
-            f"#define {prefix}_LIMIT {text.real(case.limit)}",
-            f"#define {prefix}_LOOKS {{{', '.join(f'{count}U' for count in case.looks)}}}",
-            *text.table(f"ema_vec_trend_{case.name}_readings", np.array(readings(case)).T),
-            *text.table(f"ema_vec_trend_{case.name}_said", said(case)),
-        ]
-    return "\n".join(lines) + "\n"
