@@ -300,6 +300,7 @@ def test_the_command_writes_what_programs_read(tmp_path: Path) -> None:
     assert again.code == 0 and "quadratic_viscous" not in again.out.split("Force error")[0]
 
 
+@pytest.mark.slow
 def test_a_folder_holds_the_record_that_is_held_out_too(tmp_path: Path) -> None:
     actuator_of("bare motor", 0).write(tmp_path / "machine.toml")
     for number in range(3):

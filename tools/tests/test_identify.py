@@ -170,6 +170,7 @@ def test_seed_decides_the_path_and_nothing_else() -> None:
     assert third.costs != first.costs
 
 
+@pytest.mark.slow
 def test_value_that_is_healthy_at_zero_is_left_out() -> None:
     machine = reference_actuator().changed({"screw.blk_mm": 0.0})
     found = identify(machine, chirp_record(machine.changed({"screw.csj_Nm": 0.2})))

@@ -59,6 +59,7 @@ def runs(load_Nm: float = 0.0, drag: float = 0.0, csj_Nm: float = TRUE[CSJ], fir
     return [swinging(first + seed, speed, load_Nm, drag, csj_Nm) for seed, speed in enumerate((60.0, 90.0, 130.0))]
 
 
+@pytest.mark.slow
 def test_adding_says_what_the_diagnosis_says_to_the_digit() -> None:
     given, records, model = machine(), runs(0.006, 2e-6), machine()
     found = improve_by_forces(given, records)
