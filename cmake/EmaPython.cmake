@@ -59,7 +59,7 @@ add_custom_target(written
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
             "${EMA_VENV_PYTHON}" -B -m benchmarks.effects --header "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/ema_costed.def"
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
-            "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/ema_schema.h"
+            "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/detail/ema_schema.h"
     COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
             --root "${CMAKE_CURRENT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_actuator.h"
             "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_signatures.h"

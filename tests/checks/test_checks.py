@@ -106,9 +106,9 @@ class Layers(Tree):
         self.write("include/ema/ema_model.h", '#include "ema/ema_real.h"\n')
         self.write("include/ema/ema_search.h", '#include "ema/ema_real.h"\n')
         self.write("src/base/ema_math.h", '#include <math.h>\n#include "ema/ema_real.h"\n')
-        self.write("src/blocks/ema_motor.h", '#include "ema_math.h"\n')
-        self.write("src/plant/ema_model.c", '#include "ema/ema_model.h"\n#include "ema_motor.h"\n#include <string.h>\n')
-        self.write("src/search/ema_search.c", '#include "ema/ema_search.h"\n#include "ema_math.h"\n')
+        self.write("src/blocks/ema_motor.h", '#include "base/ema_math.h"\n')
+        self.write("src/plant/ema_model.c", '#include "blocks/ema_motor.h"\n#include "ema/ema_model.h"\n#include <string.h>\n')
+        self.write("src/search/ema_search.c", '#include "base/ema_math.h"\n#include "ema/ema_search.h"\n')
         self.write("src/ident/ema_ident.c", '#include "ema/ema_model.h"\n#include "ema/ema_search.h"\n')
         self.write("port/host/main.c", '#include <stdio.h>\n#include "ema/ema_model.h"\n#include "csv.h"\n')
         self.write("port/host/csv.h", "")
@@ -146,7 +146,7 @@ class Layers(Tree):
 
     def test_search_knows_no_actuator(self) -> None:
         """Search depends on base alone."""
-        self.write("src/search/ema_anneal.c", '#include "ema_motor.h"\n')
+        self.write("src/search/ema_anneal.c", '#include "blocks/ema_motor.h"\n')
         self.assertIn("level search sees ema_motor.h of level blocks", self.problem())
 
     def test_port_from_module(self) -> None:
@@ -156,20 +156,20 @@ class Layers(Tree):
 
     def test_private_header_from_port(self) -> None:
         """A port uses public headers."""
-        self.write("port/host/blocks.c", '\n#include "ema_motor.h"\n')
-        self.assertIn("port/host/blocks.c:2: a port includes the private header ema_motor.h", self.problem())
+        self.write("port/host/blocks.c", '\n#include "blocks/ema_motor.h"\n')
+        self.assertIn("port/host/blocks.c:2: a port includes the private header blocks/ema_motor.h", self.problem())
 
     def test_the_desk_shows_blocks(self) -> None:
         """The desk sees the blocks, and nothing above them."""
-        self.write("port/desk/desk.c", '#include "ema_motor.h"\n')
+        self.write("port/desk/desk.c", '#include "blocks/ema_motor.h"\n')
         self.assertEqual(check_layers.check(self.root), ([], 13))
         self.write("src/plant/ema_inner.h", "")
-        self.write("port/desk/inner.c", '#include "ema_inner.h"\n')
-        self.assertIn("port/desk/inner.c:1: a port includes the private header ema_inner.h", self.problem())
+        self.write("port/desk/inner.c", '#include "plant/ema_inner.h"\n')
+        self.assertIn("port/desk/inner.c:1: a port includes the private header plant/ema_inner.h", self.problem())
 
     def test_private_header_from_public(self) -> None:
         """A public header stands on public headers."""
-        self.write("include/ema/ema_extra.h", '#include "ema_math.h"\n')
+        self.write("include/ema/ema_extra.h", '#include "base/ema_math.h"\n')
         self.assertIn("a public header includes src/base", self.problem())
 
     def test_system_header(self) -> None:
@@ -496,9 +496,9 @@ class Compiles(Tree):
         read = '#define EMA_EFFECT(name, field) typedef struct { int field; } ema_##name##_t;\n#include "ema/ema_effects.def"\n#undef EMA_EFFECT\n'
         self.write("include/ema/ema_effects.def", "EMA_EFFECT(drag, size)\n#ifdef EMA_OWN_EFFECTS\n#include EMA_OWN_EFFECTS\n#endif\n")
         self.write("src/effects/ema_effect_sites.h", f"#ifndef SITES_H\n#define SITES_H\n{read}#endif\n")
-        self.write("src/base/ema_actuator.c", '#include "ema_effect_sites.h"\nextern int ema_actuator_check;\n')
+        self.write("src/base/ema_actuator.c", '#include "effects/ema_effect_sites.h"\nextern int ema_actuator_check;\n')
         row = "```c\nEMA_EFFECT(drag, force)\n```\n"
-        code = '\n```c\n#include "ema_effect_sites.h"\nint f(const ema_drag_t* drag);\nint f(const ema_drag_t* drag)\n{\n    return drag->force;\n}\n```\n'
+        code = '\n```c\n#include "effects/ema_effect_sites.h"\nint f(const ema_drag_t* drag);\nint f(const ema_drag_t* drag)\n{\n    return drag->force;\n}\n```\n'
         self.write("README.md", "no C\n")
         self.assertEqual(self.snippets(page=row + code), [])
         self.assertEqual(len(self.snippets(page=row + code.replace("->force", "->size"))), 2)

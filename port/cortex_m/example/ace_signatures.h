@@ -3,8 +3,7 @@
 #ifndef EMA_EXPORTED_SIGNATURES_H
 #define EMA_EXPORTED_SIGNATURES_H
 
-#include "ema/ema_onboard.h"
-#include "ema/ema_schema.h"
+#include "ema/ema.h"
 
 #if EMA_CONFIG_SCHEMA != 0x54d1750eU
 #error "EMA_SIGNATURES: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h --signatures FILE.h --healthy REC ..."

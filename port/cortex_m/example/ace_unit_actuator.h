@@ -2,8 +2,7 @@
 #ifndef EMA_EXPORTED_ACTUATOR_H
 #define EMA_EXPORTED_ACTUATOR_H
 
-#include "ema/ema_actuator.h"
-#include "ema/ema_schema.h"
+#include "ema/ema.h"
 
 #if EMA_CONFIG_SCHEMA != 0x54d1750eU
 #error "EMA_ACTUATOR: made for other lists of values than those of this module: export it again: ema export ACTUATOR -o FILE.h"
