@@ -58,7 +58,7 @@ add_custom_target(written
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
             "${EMA_VENV_PYTHON}" -B -m benchmarks.effects --header "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/ema_costed.def"
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
-            "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/ema_schema.h"
+            "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/detail/ema_schema.h"
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     DEPENDS venv ema_desk32 ema_desk64 ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)

@@ -18,7 +18,7 @@
 #ifndef EMA_GUARDED_H
 #define EMA_GUARDED_H
 
-#include "ema/ema_onboard.h"
+#include "ema/detail/ema_onboard.h"
 #include "ema/ema_session.h"
 
 #ifdef __cplusplus

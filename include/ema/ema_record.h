@@ -10,9 +10,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ema/detail/ema_real.h"
+#include "ema/detail/ema_status.h"
 #include "ema/ema_command.h"
-#include "ema/ema_real.h"
-#include "ema/ema_status.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,9 +1,9 @@
 /* Ranges and access by index, read from the two lists. */
-#include "ema_bounds.h"
+#include "base/ema_bounds.h"
 
-#include "ema_choice.h"
-#include "ema_effect_rows.h"
-#include "ema_math.h"
+#include "base/ema_choice.h"
+#include "base/ema_effect_rows.h"
+#include "base/ema_math.h"
 
 /* Rows of bounds that a learned table has: gain, axis, first, last, and one for its nodes, which are all alike. */
 #define EMA_TABLE_BOUNDS 5U

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 static inline uint32_t ema_get_u16(const uint8_t* from)
 {

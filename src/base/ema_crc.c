@@ -1,4 +1,4 @@
-#include "ema_crc.h"
+#include "base/ema_crc.h"
 
 uint32_t ema_crc32(uint32_t crc, const uint8_t* bytes, size_t length)
 {

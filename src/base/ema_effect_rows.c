@@ -1,4 +1,4 @@
-#include "ema_effect_rows.h"
+#include "base/ema_effect_rows.h"
 
 const ema_effect_row_t ema_effect_rows[EMA_EFFECT_COUNT] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \

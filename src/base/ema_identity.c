@@ -1,9 +1,9 @@
 /* Apart from ema_actuator.c so that firmware which does without it links none of it. */
 #include <stddef.h>
 
+#include "base/ema_bytes.h"
+#include "base/ema_crc.h"
 #include "ema/ema_actuator.h"
-#include "ema_bytes.h"
-#include "ema_crc.h"
 
 static uint32_t ema_identity_reals(uint32_t crc, const ema_real* value, size_t count)
 {

@@ -1,4 +1,4 @@
-#include "ema_gearbox.h"
+#include "blocks/ema_gearbox.h"
 
 void ema_gearbox_prepare(ema_gearbox_t* gearbox, const ema_params_t* params)
 {

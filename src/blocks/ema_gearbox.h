@@ -2,8 +2,8 @@
 #ifndef EMA_GEARBOX_H
 #define EMA_GEARBOX_H
 
-#include "ema/ema_plant.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_plant.h"
 
 void ema_gearbox_prepare(ema_gearbox_t* gearbox, const ema_params_t* params);
 

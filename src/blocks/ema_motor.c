@@ -1,6 +1,6 @@
-#include "ema_motor.h"
+#include "blocks/ema_motor.h"
 
-#include "ema_limits.h"
+#include "blocks/ema_limits.h"
 
 void ema_motor_prepare(ema_motor_t* motor, const ema_params_t* params)
 {

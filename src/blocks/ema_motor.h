@@ -2,8 +2,8 @@
 #ifndef EMA_MOTOR_H
 #define EMA_MOTOR_H
 
-#include "ema/ema_plant.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_plant.h"
 
 void ema_motor_prepare(ema_motor_t* motor, const ema_params_t* params);
 

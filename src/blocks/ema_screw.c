@@ -1,6 +1,6 @@
-#include "ema_screw.h"
+#include "blocks/ema_screw.h"
 
-#include "ema_gearbox.h"
+#include "blocks/ema_gearbox.h"
 
 void ema_screw_prepare(ema_screw_t* screw, const ema_gearbox_t* gearbox, const ema_params_t* params)
 {

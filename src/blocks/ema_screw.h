@@ -2,8 +2,8 @@
 #ifndef EMA_SCREW_H
 #define EMA_SCREW_H
 
-#include "ema/ema_plant.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_plant.h"
 
 void ema_screw_prepare(ema_screw_t* screw, const ema_gearbox_t* gearbox, const ema_params_t* params);
 

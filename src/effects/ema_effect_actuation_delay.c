@@ -1,5 +1,5 @@
 /* The motor sees the controller's output later. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_actuation_delay_adjust(const ema_effect_actuation_delay_t* effect, ema_params_t* params)
 {

@@ -1,6 +1,6 @@
 /* Pull of the magnets towards the slots, periodic in the motor angle. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_cogging_torque(const ema_effect_cogging_torque_t* effect, const ema_site_t* site)
 {

@@ -1,5 +1,5 @@
 /* Constant torque against extension. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_constant_load_adjust(const ema_effect_constant_load_t* effect, ema_params_t* params)
 {

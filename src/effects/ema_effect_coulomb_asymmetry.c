@@ -1,5 +1,5 @@
 /* Dry friction that differs between the directions. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_coulomb_asymmetry_adjust(const ema_effect_coulomb_asymmetry_t* effect, ema_params_t* params)
 {

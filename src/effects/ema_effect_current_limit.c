@@ -1,5 +1,5 @@
 /* The drive limits the current; the tighter of two limits counts. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_current_limit_adjust(const ema_effect_current_limit_t* effect, ema_params_t* params)
 {

@@ -1,6 +1,6 @@
 /* Break-away friction that falls with speed, of another size in each direction. */
-#include "ema_effect_sites.h"
-#include "ema_stribeck.h"
+#include "effects/ema_effect_sites.h"
+#include "effects/ema_stribeck.h"
 
 ema_real ema_effect_directional_stribeck(const ema_effect_directional_stribeck_t* effect, const ema_site_t* site,
                                          ema_real level_Nm)

@@ -3,8 +3,8 @@
  * The share of friction that is carried says where the shaft stands in the play, so that it is the whole memory: inside
  * the gap it runs over a part of the friction that nothing tells from none.
  */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 #define EMA_IN_GAP EMA_R(1.0e-5)
 

@@ -1,5 +1,5 @@
 /* The position gain of the control law has drifted, in either structure. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_gain_drift_adjust(const ema_effect_gain_drift_t* effect, ema_params_t* params)
 {

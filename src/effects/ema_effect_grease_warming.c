@@ -1,6 +1,6 @@
 /* Grease that softens while the record runs. The memory is how far it has come, 0 to 1. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_grease_warming(const ema_effect_grease_warming_t* effect, ema_real memory)
 {

@@ -1,5 +1,5 @@
 /* Added or removed mass. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_inertia_change_adjust(const ema_effect_inertia_change_t* effect, ema_params_t* params)
 {

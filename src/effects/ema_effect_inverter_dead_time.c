@@ -1,6 +1,6 @@
 /* Voltage that the inverter's dead time takes off against the current, smooth near zero current. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_inverter_dead_time(const ema_effect_inverter_dead_time_t* effect, const ema_site_t* site)
 {

@@ -1,6 +1,6 @@
 /* A spot of the raceway with more dry friction, passed in both directions. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_jam_spot(const ema_effect_jam_spot_t* effect, const ema_site_t* site, ema_real level_Nm)
 {

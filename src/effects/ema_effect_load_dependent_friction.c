@@ -1,6 +1,6 @@
 /* Dry friction that grows with the torque that is transmitted. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_load_dependent_friction(const ema_effect_load_dependent_friction_t* effect, const ema_site_t* site,
                                             ema_real level_Nm)

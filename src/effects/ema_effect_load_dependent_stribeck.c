@@ -1,7 +1,7 @@
 /* Break-away friction that grows with the torque that is transmitted, and falls with speed. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
-#include "ema_stribeck.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
+#include "effects/ema_stribeck.h"
 
 ema_real ema_effect_load_dependent_stribeck(const ema_effect_load_dependent_stribeck_t* effect, const ema_site_t* site,
                                             ema_real level_Nm)

@@ -1,5 +1,5 @@
 /* Magnets that lost flux: torque constant and back-EMF fall together. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_magnet_weakening_adjust(const ema_effect_magnet_weakening_t* effect, ema_params_t* params)
 {

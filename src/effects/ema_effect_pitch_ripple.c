@@ -1,6 +1,6 @@
 /* Dry friction that varies once per lead of the screw. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_pitch_ripple(const ema_effect_pitch_ripple_t* effect, const ema_site_t* site, ema_real level_Nm)
 {

@@ -1,6 +1,6 @@
 /* Contact that stretches like a spring before it slides, Dahl's form, exact for a turn in one direction. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_presliding(const ema_effect_presliding_t* effect, ema_real turn_rad, ema_real stretch,
                                ema_real lead_mm_per_rad)

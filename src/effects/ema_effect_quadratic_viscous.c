@@ -1,6 +1,6 @@
 /* Turbulent drag on the rotor. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_quadratic_viscous(const ema_effect_quadratic_viscous_t* effect, const ema_site_t* site)
 {

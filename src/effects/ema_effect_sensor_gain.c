@@ -1,5 +1,5 @@
 /* Scale error of the rod sensor. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_sensor_gain_adjust(const ema_effect_sensor_gain_t* effect, ema_params_t* params)
 {

@@ -1,5 +1,5 @@
 /* Zero shift of the rod sensor. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_sensor_offset_adjust(const ema_effect_sensor_offset_t* effect, ema_params_t* params)
 {

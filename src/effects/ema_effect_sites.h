@@ -6,10 +6,10 @@
 
 #include <stddef.h>
 
-#include "ema/ema_work.h"
-#include "ema_choice.h"
-#include "ema_effect_rows.h"
-#include "ema_site.h"
+#include "base/ema_choice.h"
+#include "base/ema_effect_rows.h"
+#include "effects/ema_site.h"
+#include "ema/detail/ema_step_scratch.h"
 
 /* The function that an effect's file supplies, by site. */
 #define EMA_EFFECT_AT_PARAMETER(name)                                                                                  \

@@ -1,6 +1,6 @@
 /* Break-away friction above the sliding level that falls with speed. */
-#include "ema_effect_sites.h"
-#include "ema_stribeck.h"
+#include "effects/ema_effect_sites.h"
+#include "effects/ema_stribeck.h"
 
 ema_real ema_effect_stribeck_friction(const ema_effect_stribeck_friction_t* effect, const ema_site_t* site,
                                       ema_real level_Nm)

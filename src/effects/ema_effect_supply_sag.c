@@ -1,5 +1,5 @@
 /* A bus voltage below its nominal value. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_supply_sag_adjust(const ema_effect_supply_sag_t* effect, ema_params_t* params)
 {

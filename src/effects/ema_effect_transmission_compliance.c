@@ -3,8 +3,8 @@
  * memory[0] is the stretch of the spring, play minus rod in mm, memory[1] the rod's speed in mm/s. With the play's
  * output moving evenly over the step the stretch d obeys d'' + 2 zeta W d' + W^2 d = 0, which is solved exactly.
  */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_transmission_compliance_adjust(const ema_effect_transmission_compliance_t* effect, ema_params_t* params)
 {

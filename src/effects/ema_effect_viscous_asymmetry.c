@@ -1,6 +1,6 @@
 /* Viscous damping that differs between the directions. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_viscous_asymmetry(const ema_effect_viscous_asymmetry_t* effect, const ema_site_t* site)
 {

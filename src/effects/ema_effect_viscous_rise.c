@@ -1,5 +1,5 @@
 /* More viscous damping, as in cold grease. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_viscous_rise_adjust(const ema_effect_viscous_rise_t* effect, ema_params_t* params)
 {

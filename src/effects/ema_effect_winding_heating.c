@@ -1,6 +1,6 @@
 /* Copper resistance grows with the winding's temperature. */
-#include "ema_copper.h"
-#include "ema_effect_sites.h"
+#include "effects/ema_copper.h"
+#include "effects/ema_effect_sites.h"
 
 void ema_effect_winding_heating_adjust(const ema_effect_winding_heating_t* effect, ema_params_t* params)
 {

@@ -1,7 +1,7 @@
 /* A winding that its own loss warms while the record runs. The memory is its temperature over the start's, degC. */
-#include "ema_copper.h"
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_copper.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_winding_warming(const ema_effect_winding_warming_t* effect, ema_real memory)
 {

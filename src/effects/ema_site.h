@@ -2,7 +2,7 @@
 #ifndef EMA_SITE_H
 #define EMA_SITE_H
 
-#include "ema/ema_plant.h"
+#include "ema/detail/ema_plant.h"
 
 /* What an effect may look at, all at the same instant. */
 typedef struct {

@@ -1,6 +1,6 @@
-#include "ema_stribeck.h"
+#include "effects/ema_stribeck.h"
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 /* Where the exponential is below the resolution of the level. */
 #if EMA_REAL64

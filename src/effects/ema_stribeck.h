@@ -2,7 +2,7 @@
 #ifndef EMA_STRIBECK_H
 #define EMA_STRIBECK_H
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* rise exp(-(abs(speed) / fallen)^shape): all of it at rest, 1/e of it at the speed `fallen_rad_s` > 0; zero where it
  * is below the resolution of the level. */

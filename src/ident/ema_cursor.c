@@ -1,4 +1,4 @@
-#include "ema_cursor_step.h"
+#include "ident/ema_cursor_step.h"
 
 void ema_cursor_start(ema_cursor_t* cursor, const ema_record_t* record, const ema_actuator_t* actuator)
 {

@@ -1,4 +1,4 @@
-#include "ema/ema_onboard.h"
+#include "ema/detail/ema_onboard.h"
 
 static const char* const ema_effect_names[] = {
 #define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) #name,

@@ -2,14 +2,14 @@
 
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_cursor_step.h"
-#include "ema_least_squares_check.h"
-#include "ema_math.h"
-#include "ema_prepare.h"
-#include "ema_residual.h"
-#include "ema_start.h"
-#include "ema_tick.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_cursor_step.h"
+#include "ident/ema_least_squares_check.h"
+#include "ident/ema_residual.h"
+#include "ident/ema_start.h"
+#include "plant/ema_prepare.h"
+#include "plant/ema_tick.h"
 
 /* Steps of the sensitivities, as shares of the bounds: the first; from then on so many standard errors of the value by
  * itself, large against rounding, small against what bends; and how small and large they may be. */
@@ -59,7 +59,7 @@ static const ema_real ema_start_turn[EMA_LEAST_SQUARES_MAX] = {EMA_R(0.41421356)
                                                                EMA_R(0.64575131), EMA_R(0.31662479), EMA_R(0.60555128),
                                                                EMA_R(0.12310563), EMA_R(0.35889894)};
 
-_Static_assert(EMA_DAMPED_MAX == EMA_LEAST_SQUARES_MAX, "a step moves all values");
+_Static_assert(EMA_LEVMAR_MAX == EMA_LEAST_SQUARES_MAX, "a step moves all values");
 
 /* The smallest fall of S that counts. */
 static ema_real ema_squares_least(const ema_least_squares_t* self)
@@ -163,7 +163,7 @@ static ema_real ema_squares_residual(const ema_least_squares_t* self, uint32_t c
 /* What came together over the last rows goes into the sum over all of them. */
 static void ema_squares_gather(ema_squares_point_t* point)
 {
-    for (uint32_t k = 0; k < EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
+    for (uint32_t k = 0; k < EMA_LEVMAR_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
         point->normal[k] += point->part[k];
         point->part[k] = EMA_R(0.0);
     }
@@ -212,7 +212,7 @@ static void ema_squares_row(ema_least_squares_t* self)
 /* The mean of what was summed to both sides. */
 static void ema_squares_mean(ema_squares_point_t* point)
 {
-    for (uint32_t k = 0; k < EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
+    for (uint32_t k = 0; k < EMA_LEVMAR_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
         point->normal[k] *= EMA_R(0.5);
     }
     for (uint32_t k = 0; k < EMA_LEAST_SQUARES_MAX; ++k) {
@@ -304,7 +304,7 @@ static bool ema_squares_all_move(const ema_least_squares_t* self)
 {
     bool all = !self->failed;
     for (uint32_t k = 0; k < self->config->count; ++k) {
-        all = all && (self->present.normal[EMA_DAMPED_TRIANGLE(k) + k] > EMA_R(0.0));
+        all = all && (self->present.normal[EMA_LEVMAR_TRIANGLE(k) + k] > EMA_R(0.0));
     }
     return all;
 }
@@ -396,7 +396,7 @@ static void ema_squares_propose(ema_least_squares_t* self)
         bool searching = true;
         while (searching) {
             ema_real step[EMA_LEAST_SQUARES_MAX] = {0};
-            const ema_real promised = ema_damped_step(self->present.normal, self->present.gradient, self->present.x,
+            const ema_real promised = ema_levmar_step(self->present.normal, self->present.gradient, self->present.x,
                                                       count, self->damping, &self->solver, step);
             if (!self->other_side && (promised <= EMA_FALL_FINE) && (left > (2U * (2U + count)))) {
                 searching = false;
@@ -421,7 +421,7 @@ static bool ema_squares_reach(ema_least_squares_t* self)
 {
     bool far_off = false;
     for (uint32_t k = 0; k < self->config->count; ++k) {
-        const ema_real square = self->present.normal[EMA_DAMPED_TRIANGLE(k) + k];
+        const ema_real square = self->present.normal[EMA_LEVMAR_TRIANGLE(k) + k];
         if (square > EMA_R(0.0)) {
             const ema_real before = self->reach[k];
             self->reach[k] =

@@ -1,9 +1,9 @@
 /* Apart from ema_least_squares.c so that what is asked once takes no stack from the runs. */
-#include "ema_least_squares_check.h"
+#include "ident/ema_least_squares_check.h"
 
-#include "ema_bounds.h"
-#include "ema_math.h"
-#include "ema_record_row.h"
+#include "base/ema_bounds.h"
+#include "base/ema_math.h"
+#include "ident/ema_record_row.h"
 
 /* Smallest and largest noise that a signal may have. */
 #define EMA_NOISE_MIN EMA_R(1.0e-9)

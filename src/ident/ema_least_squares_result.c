@@ -1,11 +1,11 @@
 /* Apart from ema_least_squares.c so that what is asked once takes no stack from the runs. */
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_least_squares_check.h"
-#include "ema_linear.h"
-#include "ema_math.h"
-#include "ema_residual.h"
+#include "base/ema_copy.h"
+#include "base/ema_linear.h"
+#include "base/ema_math.h"
+#include "ident/ema_least_squares_check.h"
+#include "ident/ema_residual.h"
 
 /* An estimate this close to a bound, as a share of the bounds, lies on it. */
 #define EMA_AT_BOUND_SHARE EMA_R(5.0e-4)
@@ -20,7 +20,7 @@
 #define EMA_SLOPE_ROUNDED EMA_R(64.0)
 
 /* Share of value `k`'s sensitivities that may be rounding. */
-static ema_real ema_apart_rounded(const ema_squares_point_t* point, uint32_t k, ema_real length)
+static ema_real ema_collinearity_rounded(const ema_squares_point_t* point, uint32_t k, ema_real length)
 {
     const ema_real moved = point->reach[k] * length;
     const ema_real rounded = (EMA_SLOPE_ROUNDED * EMA_REAL_EPSILON * EMA_REAL_EPSILON) * point->size_square;
@@ -28,13 +28,13 @@ static ema_real ema_apart_rounded(const ema_squares_point_t* point, uint32_t k, 
 }
 
 /* Standard error for a variance of one, as a share of the bounds. */
-static ema_real ema_apart_error(const ema_apart_t* apart, ema_real rounded)
+static ema_real ema_collinearity_error(const ema_collinearity_t* apart, ema_real rounded)
 {
     const bool told = (apart->length > EMA_R(0.0)) && (apart->share > ema_max(rounded, EMA_PIVOT_SHARE));
     return told ? (EMA_R(1.0) / (apart->length * ema_sqrt(apart->share))) : EMA_COST_MAX;
 }
 
-static ema_determined_t ema_apart_determined(const ema_apart_t* apart, ema_real error)
+static ema_determined_t ema_collinearity_determined(const ema_collinearity_t* apart, ema_real error)
 {
     ema_determined_t determined = EMA_DETERMINED;
     if (!((apart->length * EMA_DETERMINED_SHARE) >= EMA_R(1.0))) {
@@ -77,12 +77,12 @@ ema_status_t ema_least_squares_result(const ema_least_squares_t* self, ema_least
         ema_residual_shared(&best->residual, rows, result->residual_correlation, EMA_R(0.0)) * best->square;
     for (uint32_t k = 0; k < result->count; ++k) {
         const ema_searched_t* const searched = &self->config->searched[k];
-        const ema_apart_t apart = ema_damped_apart(best->normal, result->count, k);
+        const ema_collinearity_t apart = ema_levmar_collinearity(best->normal, result->count, k);
         const ema_real range = searched->upper - searched->lower;
-        const ema_real error = ema_apart_error(&apart, ema_apart_rounded(best, k, apart.length));
+        const ema_real error = ema_collinearity_error(&apart, ema_collinearity_rounded(best, k, apart.length));
         ema_found_t* const found = &result->value[k];
         found->estimate = ema_searched_at(searched, best->x[k]);
-        found->determined = ema_apart_determined(&apart, error);
+        found->determined = ema_collinearity_determined(&apart, error);
         found->partner = apart.partner;
         found->at_bound = (best->x[k] < EMA_AT_BOUND_SHARE) || (best->x[k] > (EMA_R(1.0) - EMA_AT_BOUND_SHARE));
         found->noise_std = (error < EMA_COST_MAX) ? (error * range) : EMA_COST_MAX;

@@ -1,13 +1,13 @@
-#include "ema/ema_onboard.h"
+#include "ema/detail/ema_onboard.h"
 
 #include <string.h>
 
-#include "ema_bounds.h"
-#include "ema_copy.h"
-#include "ema_cursor_step.h"
-#include "ema_math.h"
-#include "ema_onboard_begin.h"
-#include "ema_tick.h"
+#include "base/ema_bounds.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_cursor_step.h"
+#include "ident/ema_onboard_begin.h"
+#include "plant/ema_tick.h"
 
 /* Start and factor of the checksum by Fowler, Noll and Vo, over words. */
 #define EMA_FINGERPRINT_START 2166136261U

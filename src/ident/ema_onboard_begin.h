@@ -3,7 +3,7 @@
 #ifndef EMA_ONBOARD_BEGIN_H
 #define EMA_ONBOARD_BEGIN_H
 
-#include "ema/ema_onboard.h"
+#include "ema/detail/ema_onboard.h"
 
 /* As ema_onboard_start, after ema_onboard_check of the exported actuator with this table and record; `actuator` may
  * differ from that in what differs from day to day, besides CSJ and BLK. Errors: those of ema_model_init. */

@@ -1,7 +1,7 @@
-#include "ema_record_row.h"
+#include "ident/ema_record_row.h"
 
-#include "ema_copy.h"
-#include "ema_math.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
 
 #define EMA_INT16_FULL EMA_R(32767.0)
 

@@ -1,5 +1,5 @@
-#include "ema_math.h"
-#include "ema_record_row.h"
+#include "base/ema_math.h"
+#include "ident/ema_record_row.h"
 
 ema_status_t ema_record_adopt(ema_record_t* record, uint32_t rows)
 {

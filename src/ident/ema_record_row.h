@@ -2,9 +2,9 @@
 #ifndef EMA_RECORD_ROW_H
 #define EMA_RECORD_ROW_H
 
-#include "ema/ema_plant.h"
+#include "base/ema_choice.h"
+#include "ema/detail/ema_plant.h"
 #include "ema/ema_record.h"
-#include "ema_choice.h"
 
 /* Whether a record keeps counts, and the command that is a function, NULL where it is recorded. */
 static inline bool ema_record_counts(const ema_record_t* record)

@@ -2,7 +2,7 @@
 #ifndef EMA_SENSITIVITY_BEGIN_H
 #define EMA_SENSITIVITY_BEGIN_H
 
-#include "ema/ema_sensitivity.h"
+#include "ema/detail/ema_sensitivity.h"
 
 /* Everything but the models. Errors, nothing changed: EMA_ERR_SHORT; EMA_ERR_RANGE of count and weights. */
 ema_status_t ema_sensitivity_begin(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record,

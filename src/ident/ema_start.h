@@ -2,8 +2,8 @@
 #ifndef EMA_START_H
 #define EMA_START_H
 
-#include "ema_math.h"
-#include "ema_record_row.h"
+#include "base/ema_math.h"
+#include "ident/ema_record_row.h"
 
 /* The rod may rest anywhere in its play, and the sensor is noisy by this many standard deviations. */
 #define EMA_START_NOISE EMA_R(4.0)

@@ -2,13 +2,13 @@
 #ifndef EMA_DELAYED_H
 #define EMA_DELAYED_H
 
-#include "ema_drive.h"
+#include "blocks/ema_drive.h"
 
 /* Keeps the output; what is applied at the start of the model step goes to the work. */
-void ema_delayed_output(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real output);
+void ema_delayed_output(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real output);
 
 /* The model step under it: first what was asked before, over its share, then what was asked later; each in as many
  * integration steps as a whole one. */
-void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
+void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work);
 
 #endif

@@ -1,15 +1,15 @@
-/* Apart from ema_located.c so that a search for a root takes no stack from what lets the event happen. */
-#include "ema_events.h"
+/* Apart from ema_motion_events.c so that a search for a root takes no stack from what lets the event happen. */
+#include "plant/ema_events.h"
 
-#include "ema_math.h"
-#include "ema_motor.h"
-#include "ema_screw.h"
-#include "ema_series.h"
+#include "base/ema_math.h"
+#include "blocks/ema_motor.h"
+#include "blocks/ema_screw.h"
+#include "plant/ema_series.h"
 
 /* A start at zero speed is on the root itself: the next root is sought from here on. */
 #define EMA_ROOT_FROM EMA_R(0.0625)
 
-void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     const ema_circuit_t* const circuit = work->circuit;
     const ema_event_t* const last = &work->event;
@@ -42,7 +42,7 @@ void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_w
     }
 }
 
-void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     const ema_circuit_t* const circuit = work->circuit;
     ema_segment_t* const segment = &work->segment;
@@ -89,7 +89,7 @@ static void ema_event_take(ema_event_t* event, ema_event_kind_t kind, ema_real* 
 }
 
 /* Crossings of +-bound by the current, from inside or from outside. */
-static void ema_event_current(ema_work_t* work, ema_real bound_A, bool outside)
+static void ema_event_current(ema_step_scratch_t* work, ema_real bound_A, bool outside)
 {
     ema_real* const terms_A = work->series.current_A;
     const ema_real end_A = work->segment.end.current_A;
@@ -112,7 +112,7 @@ static void ema_event_current(ema_work_t* work, ema_real bound_A, bool outside)
 }
 
 /* A held current is let go when the circuit on its own would bring it inward. */
-static void ema_event_release(const ema_state_t* state, ema_work_t* work)
+static void ema_event_release(const ema_state_t* state, ema_step_scratch_t* work)
 {
     const ema_circuit_t* const circuit = work->circuit;
     ema_real* const terms = work->terms;
@@ -131,7 +131,7 @@ static void ema_event_release(const ema_state_t* state, ema_work_t* work)
     ema_series_angle(&work->series, work->span_s, terms);
 }
 
-static void ema_event_at_rest(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+static void ema_event_at_rest(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     const ema_forces_t* const forces = &work->segment.forces;
     ema_event_t* const event = &work->event;
@@ -155,7 +155,7 @@ static void ema_event_at_rest(const ema_plant_t* plant, const ema_state_t* state
 }
 
 /* The speed reaches zero. */
-static void ema_event_reversal(const ema_state_t* state, ema_work_t* work)
+static void ema_event_reversal(const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_event_t* const event = &work->event;
     const ema_real direction = (ema_real)state->motion;
@@ -174,7 +174,7 @@ static void ema_event_reversal(const ema_state_t* state, ema_work_t* work)
 }
 
 /* An end of travel that the shaft moves towards. */
-static void ema_event_stop(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+static void ema_event_stop(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_event_t* const event = &work->event;
     const ema_real end_rad = work->segment.end.angle_rad;
@@ -198,7 +198,7 @@ static void ema_event_stop(const ema_plant_t* plant, const ema_state_t* state, e
     }
 }
 
-void ema_event_find(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+void ema_event_find(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_event_t* const event = &work->event;
     ema_segment_end(plant, state, work);

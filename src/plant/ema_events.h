@@ -6,16 +6,16 @@
 #ifndef EMA_EVENTS_H
 #define EMA_EVENTS_H
 
-#include "ema_forces.h"
+#include "plant/ema_forces.h"
 
 /* What holds from now on. The work's event is what happened just before, its regime what held until then: on a bound
  * itself they decide, for rounding puts the current on either side. */
-void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
+void ema_regime_update(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work);
 
 /* Where the segment would end if nothing happened in it. */
-void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
+void ema_segment_end(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work);
 
 /* The first event in the segment, or its end: EMA_EVENT_NONE at 1. Sets the segment's end. */
-void ema_event_find(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work);
+void ema_event_find(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work);
 
 #endif

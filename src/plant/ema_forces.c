@@ -1,13 +1,13 @@
 /* Apart from ema_motion.c so that what is worked out at a point takes no stack from the step around it. */
-#include "ema_forces.h"
+#include "plant/ema_forces.h"
 
 #include <stddef.h>
 
-#include "ema_effect_sums.h"
-#include "ema_gearbox.h"
-#include "ema_math.h"
-#include "ema_motor.h"
-#include "ema_screw.h"
+#include "base/ema_math.h"
+#include "blocks/ema_gearbox.h"
+#include "blocks/ema_motor.h"
+#include "blocks/ema_screw.h"
+#include "effects/ema_effect_sums.h"
 
 /* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion.
  */
@@ -78,7 +78,8 @@ static ema_real ema_dry_friction(const ema_plant_t* plant, uint32_t sites, const
     return -share * level_Nm;
 }
 
-void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work, const ema_point_t* point)
+void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work,
+                   const ema_point_t* point)
 {
     const bool starts = point == &work->segment.start;
     const ema_drive_output_t* const applied = &work->applied;
@@ -142,7 +143,7 @@ void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_work_
     forces->torque_Nm = torque_Nm;
 }
 
-void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_segment_t* const segment = &work->segment;
     ema_span_t* const span = &work->span;
@@ -169,7 +170,7 @@ void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_wo
     span->torque_rise_Nm = EMA_R(0.0);
 }
 
-void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_segment_t* const segment = &work->segment;
     ema_span_t* const span = &work->span;
@@ -189,7 +190,7 @@ void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema
     span->input_rise = work->forces.input - segment->forces.input;
 }
 
-void ema_segment_respond(int32_t motion, ema_work_t* work, uint32_t from, uint32_t to)
+void ema_segment_respond(int32_t motion, ema_step_scratch_t* work, uint32_t from, uint32_t to)
 {
     const ema_responses_t* const responses = work->responses;
     const ema_real* const current = (const ema_real*)(const void*)&responses->current; /* EMA-D4 */

@@ -1,9 +1,9 @@
 #include "ema/ema_model.h"
 
-#include "ema_effect_sites.h"
-#include "ema_math.h"
-#include "ema_prepare.h"
-#include "ema_tick.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
+#include "plant/ema_prepare.h"
+#include "plant/ema_tick.h"
 
 void ema_model_learned(ema_model_t* model, const ema_actuator_t* actuator)
 {

@@ -1,9 +1,9 @@
-#include "ema_motion.h"
+#include "plant/ema_motion.h"
 
-#include "ema_effect_sites.h"
-#include "ema_forces.h"
-#include "ema_math.h"
-#include "ema_resolve.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
+#include "plant/ema_forces.h"
+#include "plant/ema_resolve.h"
 
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
 {
@@ -15,7 +15,7 @@ void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
 }
 
 /* Current and speed bend on their way to the segment's end by what their rates change from end to end. */
-static void ema_segment_bow(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+static void ema_segment_bow(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     const ema_circuit_t* const circuit = work->circuit;
     ema_segment_t* const segment = &work->segment;
@@ -36,7 +36,7 @@ static void ema_segment_bow(const ema_plant_t* plant, const ema_state_t* state, 
 }
 
 /* What the forces at the node are off an even rise, into the work's `forces`. */
-static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work,
+static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work,
                             const ema_node_t* node)
 {
     ema_segment_t* const segment = &work->segment;
@@ -59,12 +59,12 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
     work->forces.input -= segment->forces.input + (node->at * work->span.input_rise);
 }
 
-static bool ema_segment_torque_within(const ema_work_t* work, ema_real torque_Nm, ema_real share)
+static bool ema_segment_torque_within(const ema_step_scratch_t* work, ema_real torque_Nm, ema_real share)
 {
     return ema_abs(torque_Nm) <= (share * work->segment.working_Nm);
 }
 
-static bool ema_segment_within(const ema_work_t* work, ema_real input, ema_real torque_Nm, ema_real share)
+static bool ema_segment_within(const ema_step_scratch_t* work, ema_real input, ema_real torque_Nm, ema_real share)
 {
     return ema_segment_torque_within(work, torque_Nm, share)
            && (ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(work->applied.input)));
@@ -72,18 +72,18 @@ static bool ema_segment_within(const ema_work_t* work, ema_real input, ema_real 
 
 /* From what the forces are off at the first node, which the span holds, and at the second: their bend and twist. How
  * many nodes say whether they are resolved by that. */
-static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
+static uint32_t ema_segment_bend(const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_span_t* const span = &work->span;
     const ema_forces_t* const here = &work->forces;
     const ema_real twists_Nm = here->torque_Nm - span->torque_bend_Nm;
     uint32_t nodes = 4U;
-    if (ema_segment_torque_within(work, twists_Nm, EMA_TAME)) {
+    if (ema_segment_torque_within(work, twists_Nm, EMA_TOL_TWIST)) {
         nodes = 3U;
         if ((state->motion != (int32_t)EMA_MOTION_ELASTIC)
-            && (ema_abs(here->torque_Nm) <= (EMA_GENTLE * ema_abs(span->torque_rise_Nm)))
+            && (ema_abs(here->torque_Nm) <= (EMA_TOL_BEND * ema_abs(span->torque_rise_Nm)))
             && ema_segment_within(work, ema_max(ema_abs(span->input_bend), ema_abs(here->input)),
-                                  EMA_LEFT_OF_BEND * here->torque_Nm, EMA_UNRESOLVED)) {
+                                  EMA_TOL_BEND_RESIDUAL * here->torque_Nm, EMA_TOL_POLYNOMIAL)) {
             nodes = 2U;
         }
     }
@@ -96,15 +96,15 @@ static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
 
 /* Whether nothing can be off an even rise by more than is taken for one: the laws of dry friction hang on a speed that
  * keeps its direction, or on a load or a place that a step hardly moves, and it is the same at both ends. */
-static bool ema_segment_steady(const ema_plant_t* plant, const ema_work_t* work)
+static bool ema_segment_steady(const ema_plant_t* plant, const ema_step_scratch_t* work)
 {
-    return ema_friction_alone(plant) && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_UNEVEN);
+    return ema_friction_alone(plant) && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_TOL_LINEAR);
 }
 
 /* Bends and twists the forces through those at the inner nodes; false where they are not resolved by that, which is
  * looked at where it can be. An elastic contact forgets which way it was stretched, so a turning point inside is too
  * much for it. */
-static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_segment_t* const segment = &work->segment;
     const ema_forces_t* const here = &work->forces;
@@ -125,8 +125,8 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
         if (k == 0U) {
             span->input_bend = here->input;
             span->torque_bend_Nm = here->torque_Nm;
-            if (ema_segment_within(work, here->input, here->torque_Nm, EMA_UNEVEN)
-                && ema_segment_torque_within(work, span->torque_rise_Nm, EMA_TAME)) {
+            if (ema_segment_within(work, here->input, here->torque_Nm, EMA_TOL_LINEAR)
+                && ema_segment_torque_within(work, span->torque_rise_Nm, EMA_TOL_TWIST)) {
                 nodes = 1U;
             }
         } else if (k == 1U) {
@@ -135,7 +135,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
             const ema_real bent_Nm =
                 span->torque_bend_Nm + (((EMA_R(2.0) * node->at) - EMA_R(1.0)) * span->torque_twist_Nm);
             resolved = ema_segment_within(work, here->input - (node->bubble * span->input_bend),
-                                          here->torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
+                                          here->torque_Nm - (node->bubble * bent_Nm), EMA_TOL_POLYNOMIAL);
         }
     }
     work->spent += k * EMA_WORK_FORCES;
@@ -144,7 +144,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
 
 /* A span by the work's responses; false, and nothing changed, when something would happen in it, or, with `whole`, when
  * the effects are not resolved over it. */
-static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, bool whole)
+static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, bool whole)
 {
     if (!(ema_abs(state->current_A) < plant->linear_current_A)) {
         return false;
@@ -185,7 +185,8 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
 
 /* A span by the work's responses, where there are any; false, and nothing changed, where it has to be taken event by
  * event, or in substeps. */
-static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s, bool whole)
+static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real span_s,
+                           bool whole)
 {
     work->circuit = ema_circuit_of(plant, &work->applied);
     work->span_s = span_s;
@@ -198,7 +199,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
     return done;
 }
 
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real span_s)
 {
     work->responses = (ema_acts_on_motion(plant) && !ema_drive_delays(&plant->drive)) ? &plant->responses[0] : NULL;
     /* events are found without the frame of a try below them */
@@ -207,8 +208,8 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t
     }
 }
 
-void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
-                     ema_real span_s)
+void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work,
+                     const ema_responses_t* responses, ema_real span_s)
 {
     ++work->spent;
     work->responses = responses;

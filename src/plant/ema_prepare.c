@@ -1,16 +1,16 @@
 /* Apart from ema_model.c so that preparing a model takes no stack from running one. */
-#include "ema_prepare.h"
+#include "plant/ema_prepare.h"
 
-#include "ema_copy.h"
-#include "ema_drive.h"
-#include "ema_effect_sites.h"
-#include "ema_encoder.h"
-#include "ema_gearbox.h"
-#include "ema_limits.h"
-#include "ema_motor.h"
-#include "ema_pid.h"
-#include "ema_screw.h"
-#include "ema_series.h"
+#include "base/ema_copy.h"
+#include "blocks/ema_drive.h"
+#include "blocks/ema_encoder.h"
+#include "blocks/ema_gearbox.h"
+#include "blocks/ema_limits.h"
+#include "blocks/ema_motor.h"
+#include "blocks/ema_pid.h"
+#include "blocks/ema_screw.h"
+#include "effects/ema_effect_sites.h"
+#include "plant/ema_series.h"
 
 /* Most integration steps in a model step; a plant that needs more has a time constant that should be set to zero. */
 #define EMA_SUBSTEPS_MAX 64U
@@ -126,7 +126,8 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
     plant->warming_ahead_ratio = ema_acts_by_warmth(plant) ? ema_site_ahead(plant) : EMA_R(0.0);
 }
 
-ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_actuator_t* actuator, ema_real start_mm)
+ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_step_scratch_t* work, const ema_actuator_t* actuator,
+                               ema_real start_mm)
 {
     ema_params_t* const params = &work->params;
     const ema_options_t* const options = &actuator->options;
@@ -148,7 +149,7 @@ ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_a
 }
 
 /* The responses that this plant's drive and effects use. */
-static void ema_responses_all(ema_plant_t* plant, ema_work_t* work)
+static void ema_responses_all(ema_plant_t* plant, ema_step_scratch_t* work)
 {
     ema_real first_s = plant->substep_s;
     ema_real second_s = plant->step_s;
@@ -197,8 +198,8 @@ void ema_state_rest(ema_state_t* state, const ema_plant_t* plant)
 #endif
 }
 
-ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_actuator_t* actuator,
-                             ema_real start_mm)
+ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work,
+                             const ema_actuator_t* actuator, ema_real start_mm)
 {
     ema_status_t status = ema_is_finite(start_mm) ? ema_actuator_check(actuator, NULL) : EMA_ERR_NOT_FINITE;
     if (status == EMA_OK) {

@@ -2,15 +2,16 @@
 #ifndef EMA_PREPARE_H
 #define EMA_PREPARE_H
 
-#include "ema/ema_work.h"
+#include "ema/detail/ema_step_scratch.h"
 
 /* Prepares everything but the responses of the circuits: ema_circuit_prepare. Errors, the plant unchanged:
  * EMA_ERR_RANGE, EMA_ERR_INERTIA, EMA_ERR_STIFF. */
-ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_work_t* work, const ema_actuator_t* actuator, ema_real start_mm);
+ema_status_t ema_plant_prepare(ema_plant_t* plant, ema_step_scratch_t* work, const ema_actuator_t* actuator,
+                               ema_real start_mm);
 
 /* What ema_model_init does, for plant and state that stand apart; no address is NULL. */
-ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_actuator_t* actuator,
-                             ema_real start_mm);
+ema_status_t ema_run_prepare(ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work,
+                             const ema_actuator_t* actuator, ema_real start_mm);
 
 /* Puts the state to the plant's start. */
 void ema_state_rest(ema_state_t* state, const ema_plant_t* plant);

@@ -2,20 +2,20 @@
 #ifndef EMA_RESOLVE_H
 #define EMA_RESOLVE_H
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* How far the forces inside a step may be off an even rise to be taken for one, as a share of the torques at work; and
  * off the polynomial through four points where they are not even. Of the voltage a quarter as much, which has no twist.
  * What rises or twists more than is tame may be a ripple too fast for so few points, and has to fit at more. */
-#define EMA_UNEVEN EMA_R(1.0e-5)
-#define EMA_UNRESOLVED EMA_R(1.0e-3)
-#define EMA_TAME EMA_R(1.0e-3)
+#define EMA_TOL_LINEAR EMA_R(1.0e-5)
+#define EMA_TOL_POLYNOMIAL EMA_R(1.0e-3)
+#define EMA_TOL_TWIST EMA_R(1.0e-3)
 #define EMA_SHARE_OF_INPUT EMA_R(0.25)
 
 /* A torque that bends by less than this share of its rise, and hardly twists, is no ripple too fast for four points;
  * and what the polynomial leaves of its bend, be it a kink, is less than the second share of it. */
-#define EMA_GENTLE EMA_R(0.25)
-#define EMA_LEFT_OF_BEND EMA_R(0.1)
+#define EMA_TOL_BEND EMA_R(0.25)
+#define EMA_TOL_BEND_RESIDUAL EMA_R(0.1)
 
 /* Bend and twist, as in ema_response_t, of what is off an even rise at the nodes. */
 #define EMA_BEND_OF_SUM EMA_R(2.5)

@@ -1,8 +1,8 @@
-#include "ema/ema_annealer.h"
+#include "ema/detail/ema_annealer.h"
 
-#include "ema_copy.h"
-#include "ema_math.h"
-#include "ema_quadratic.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "search/ema_quadratic.h"
 
 #include <stddef.h>
 

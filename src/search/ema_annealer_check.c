@@ -1,7 +1,7 @@
 /* Apart from ema_annealer.c so that firmware which does without it links none of it. */
-#include "ema/ema_annealer_check.h"
+#include "ema/detail/ema_annealer_check.h"
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 #include <stddef.h>
 

@@ -2,8 +2,8 @@
 
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_scoring.h"
+#include "base/ema_copy.h"
+#include "session/ema_scoring.h"
 
 static const ema_finding_t ema_no_finding = {
     .kind = EMA_FINDING_NONE, .effect = EMA_EFFECT_COUNT, .runner_up = EMA_EFFECT_COUNT};

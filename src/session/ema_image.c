@@ -1,10 +1,10 @@
-#include "ema_image_layout.h"
+#include "session/ema_image_layout.h"
 
 #include <string.h>
 
-#include "ema_bytes.h"
-#include "ema_copy.h"
-#include "ema_crc.h"
+#include "base/ema_bytes.h"
+#include "base/ema_copy.h"
+#include "base/ema_crc.h"
 
 /* What an image is read in place by: the structures of a build in float32 are the image's own. */
 #if !EMA_REAL64

@@ -3,7 +3,7 @@
 
 #include "ema/ema_session.h"
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 /* Standard deviations on either side that hold 95 % of a normal distribution. */
 #define EMA_WIDTH_95 EMA_R(1.96)

@@ -1,11 +1,11 @@
 /* Apart from ema_guarded.c so that the start takes no stack from the runs. */
-#include "ema_scoring.h"
+#include "session/ema_scoring.h"
 
-#include "ema_bounds.h"
-#include "ema_copy.h"
-#include "ema_math.h"
-#include "ema_onboard_begin.h"
-#include "ema_runs.h"
+#include "base/ema_bounds.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_onboard_begin.h"
+#include "session/ema_session_search.h"
 
 /* Temperature at a start that was placed, over the objective at the healthy values: from there the search still leaves
  * a start that is wrong. */
@@ -23,7 +23,7 @@ ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* t
     if (session->phase == EMA_PHASE_FEEDING) {
         ema_copy(&session->actuator, session->config->actuator, sizeof session->actuator);
     } else if (session->phase == EMA_PHASE_DONE) {
-        ema_runs_move(session, session->annealer.best.x);
+        ema_session_search_move(session, session->annealer.best.x);
     } else {
         return EMA_ERR_ORDER;
     }
@@ -31,7 +31,7 @@ ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* t
     ema_status_t status = ema_onboard_check(table, session->config->actuator, &session->record);
     if (status == EMA_OK) {
         status = ema_onboard_begin(&session->scoring, table, &session->actuator, &session->record,
-                                   ema_runs_start_mm(session));
+                                   ema_session_search_start_mm(session));
     }
     if (status == EMA_OK) {
         ema_model_learned(&session->scoring.model, session->config->actuator);

@@ -2,15 +2,15 @@
 
 #include <stddef.h>
 
-#include "ema_assess.h"
-#include "ema_bounds.h"
-#include "ema_choice.h"
-#include "ema_copy.h"
-#include "ema_math.h"
-#include "ema_record_row.h"
-#include "ema_runs.h"
-#include "ema_today.h"
-#include "ema_verdict.h"
+#include "base/ema_bounds.h"
+#include "base/ema_choice.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_record_row.h"
+#include "session/ema_assess.h"
+#include "session/ema_session_search.h"
+#include "session/ema_temperature_correction.h"
+#include "session/ema_verdict.h"
 
 /* Farther from the ground test's mean speed a command is another one: rounding, and a rest before or after, are less.
  */
@@ -179,7 +179,7 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         if (session->record.count < EMA_ROWS_MIN) {
             return EMA_ERR_SHORT;
         }
-        status = ema_runs_begin(session);
+        status = ema_session_search_begin(session);
         if (status == EMA_OK) {
             session->phase = EMA_PHASE_SEARCHING;
         }
@@ -192,7 +192,7 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         left = (left > spent) ? (left - spent) : 0U;
         session->model_steps += session->run.model.state.step - before;
         if ((state != EMA_OBJECTIVE_RUNNING) && ((left >= EMA_RUN_STEPS) || (left == steps))) {
-            status = ema_runs_next(session);
+            status = ema_session_search_next(session);
             if (ema_annealer_outcome(&session->annealer) != EMA_OUTCOME_ACTIVE) {
                 ema_assess_start(session);
             }
@@ -263,7 +263,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
         estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
     }
-    ema_today(config, result);
+    ema_temperature_correction(config, result);
     result->objective_before = session->healthy_cost;
     result->objective_after = session->annealer.best.cost;
     result->residual_rms_mm = assessed.residual_rms_mm;

@@ -1,8 +1,8 @@
 /* Apart from ema_session.c so that firmware which does without it links none of it. */
 #include <stddef.h>
 
+#include "base/ema_copy.h"
 #include "ema/ema_session.h"
-#include "ema_copy.h"
 
 uint32_t ema_session_check(const ema_session_config_t* config)
 {

@@ -1,8 +1,8 @@
-#include "ema_ahead.h"
+#include "trend/ema_ahead.h"
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
-/* First instant behind zero; logarithm of the ratio of each to the one before, from there to EMA_AHEAD_MOST. */
+/* First instant behind zero; logarithm of the ratio of each to the one before, from there to EMA_FORECAST_HORIZON. */
 #define EMA_FIRST EMA_R(0.002)
 #define EMA_RATIO_LOG (EMA_R(9.210340371976184) / EMA_R(78.0))
 _Static_assert(EMA_FORECAST_TIMES == 80U, "so many ratios are between them");
@@ -27,7 +27,7 @@ static const ema_real ema_paces[EMA_PACES] = {EMA_R(0.2727940659378488), EMA_R(1
 static const ema_real ema_pace_shares[EMA_PACES] = {EMA_R(0.125), EMA_R(0.5), EMA_R(0.125)};
 #define EMA_STALL_SHARE EMA_R(0.25)
 
-ema_real ema_ahead_time(uint32_t place)
+ema_real ema_forecast_time(uint32_t place)
 {
     const ema_real count = (ema_real)place;
     return (place == 0U) ? EMA_R(0.0) : (EMA_FIRST * ema_exp(EMA_RATIO_LOG * (count - EMA_R(1.0))));
@@ -44,15 +44,15 @@ static ema_real ema_share_at(const ema_real share[EMA_FORECAST_TIMES], ema_real 
         return share[EMA_FORECAST_TIMES - 1U];
     }
     const uint32_t place = 1U + (uint32_t)ema_max(beyond, EMA_R(0.0));
-    const ema_real before = ema_ahead_time(place);
-    const ema_real part = (at - before) / (ema_ahead_time(place + 1U) - before);
+    const ema_real before = ema_forecast_time(place);
+    const ema_real part = (at - before) / (ema_forecast_time(place + 1U) - before);
     return share[place] + ((share[place + 1U] - share[place]) * ema_clamp(part, EMA_R(0.0), EMA_R(1.0)));
 }
 
-ema_real ema_ahead_share(const ema_real going[EMA_FORECAST_TIMES], const ema_real stalled[EMA_FORECAST_TIMES],
-                         ema_real stalled_for, uint32_t place)
+ema_real ema_forecast_share(const ema_real going[EMA_FORECAST_TIMES], const ema_real stalled[EMA_FORECAST_TIMES],
+                            ema_real stalled_for, uint32_t place)
 {
-    const ema_real at = ema_ahead_time(place);
+    const ema_real at = ema_forecast_time(place);
     ema_real sum = EMA_R(0.0);
     for (uint32_t k = 0U; k < EMA_CHANGES; ++k) {
         const ema_real until = ema_min(at, ema_changes[k]);

@@ -1,12 +1,12 @@
 #include "ema/ema_trend.h"
 
-#include "ema_ahead.h"
-#include "ema_copy.h"
-#include "ema_law.h"
-#include "ema_math.h"
-#include "ema_passage.h"
-#include "ema_trend_kept.h"
-#include "ema_wear_filter.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "trend/ema_ahead.h"
+#include "trend/ema_first_passage.h"
+#include "trend/ema_law.h"
+#include "trend/ema_trend_kept.h"
+#include "trend/ema_wear_filter.h"
 
 /* Share of the evidence's logarithm that weighs the laws against each other: none is the machine's own, and readings
  * beside each other repeat what it lacks. */
@@ -149,7 +149,7 @@ static void ema_mix(ema_forecast_t* forecast, const ema_law_t* law, const ema_we
     ema_real* const share = stalls ? forecast->stalled : forecast->going;
     ema_real reached = EMA_R(0.0);
     for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
-        const ema_real ahead = ema_ahead_time(k);
+        const ema_real ahead = ema_forecast_time(k);
         row[1] = ema_law_risen(law, own + ahead);
         const ema_real doubt = ema_max(ema_wear_variance(wear, row), EMA_DOUBT_LEAST);
         const ema_real walked = law->walk * law->walk * ahead;

@@ -1,9 +1,9 @@
 #include "ema/ema_trend.h"
 
-#include "ema_ahead.h"
-#include "ema_copy.h"
-#include "ema_math.h"
-#include "ema_trend_kept.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "trend/ema_ahead.h"
+#include "trend/ema_trend_kept.h"
 
 /* Beyond it one kind of law has nothing left in float32. */
 #define EMA_ODDS_MOST EMA_R(80.0)
@@ -61,7 +61,7 @@ ema_trend_status_t ema_forecast_result(const ema_forecast_t* forecast, ema_outlo
     }
     ema_clear(outlook, sizeof *outlook);
     ema_outlook_values(forecast, outlook);
-    outlook->ahead_days = EMA_AHEAD_MOST * forecast->age_days;
+    outlook->ahead_days = EMA_FORECAST_HORIZON * forecast->age_days;
     const ema_time_left_t open = {outlook->ahead_days, true};
     outlook->low = open;
     outlook->median = open;
@@ -69,8 +69,8 @@ ema_trend_status_t ema_forecast_result(const ema_forecast_t* forecast, ema_outlo
     ema_instant_t before = {EMA_R(0.0), EMA_R(0.0)};
     const ema_real stalled_for = forecast->stalled_for / ema_max(forecast->stalled_sum, EMA_LEAST);
     for (uint32_t k = 0U; k < EMA_FORECAST_TIMES; ++k) {
-        const ema_real share = ema_ahead_share(forecast->going, forecast->stalled, stalled_for, k);
-        ema_instant_t now = {ema_ahead_time(k), EMA_R(0.0)};
+        const ema_real share = ema_forecast_share(forecast->going, forecast->stalled, stalled_for, k);
+        ema_instant_t now = {ema_forecast_time(k), EMA_R(0.0)};
         now.reached = ema_max(before.reached, ema_min(share / forecast->weight_sum, EMA_R(1.0)));
         ema_left_between(&outlook->low, EMA_R(0.05), &before, &now, forecast->age_days);
         ema_left_between(&outlook->median, EMA_R(0.5), &before, &now, forecast->age_days);

@@ -1,7 +1,7 @@
-#include "ema_trend_kept.h"
+#include "trend/ema_trend_kept.h"
 
-#include "ema_copy.h"
-#include "ema_math.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
 
 _Static_assert((EMA_REAL64 != 0) || (sizeof(ema_trend_t) <= 1024U), "a trend takes at most 1 KiB");
 

@@ -1,6 +1,6 @@
-#include "ema_trend_kept.h"
+#include "trend/ema_trend_kept.h"
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 /* Standard deviations off its neighbours beyond which a reading counts less. */
 #define EMA_OUTLIER EMA_R(2.5)

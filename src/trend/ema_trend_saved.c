@@ -1,9 +1,9 @@
-#include "ema_trend_kept.h"
+#include "trend/ema_trend_kept.h"
 
-#include "ema_bytes.h"
-#include "ema_copy.h"
-#include "ema_crc.h"
-#include "ema_math.h"
+#include "base/ema_bytes.h"
+#include "base/ema_copy.h"
+#include "base/ema_crc.h"
+#include "base/ema_math.h"
 
 /* Where things stand. */
 #define EMA_TREND_AT_VERSION 4U

@@ -1,6 +1,6 @@
 /* A session behind a table of signatures: without one it is the session, with one it starts nearer, ends at the same
  * place, and objects to what the model lacks. */
-#include "ema/ema_guarded.h"
+#include "ema/ema.h"
 
 #include <math.h>
 

@@ -45,8 +45,8 @@ class New:
 def c_file(name: str, arguments: str, body: str) -> str:
     """A file of `src/effects` as the page shows it."""
     return f"""/* An effect that the tests add. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_{name}(const ema_effect_{name}_t* effect, const ema_site_t* site{arguments})
 {{

@@ -24,7 +24,7 @@ HEADER = EXPORTED / "ace_signatures.h"
 # The firmware's record is what it was fed, in counts: its values are what the session saw.
 PROGRAM = """
 #include "ace.c"
-#include "ema_record_row.h"
+#include "ident/ema_record_row.h"
 #include <stdio.h>
 
 int main(void)

@@ -1,16 +1,16 @@
 /* Apart from ema_session.c so that preparing a run takes no stack from running it. */
-#include "ema_runs.h"
+#include "session/ema_session_search.h"
 
-#include "ema_copy.h"
-#include "ema_math.h"
-#include "ema_start.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_start.h"
 
 ema_real ema_identified_at(const ema_identified_t* identified, ema_real x)
 {
     return identified->lower + (x * (identified->upper - identified->lower));
 }
 
-void ema_runs_move(ema_session_t* session, const ema_real* x)
+void ema_session_search_move(ema_session_t* session, const ema_real* x)
 {
     for (uint32_t i = 0; i < session->config->identified_count; ++i) {
         const ema_identified_t* const identified = &session->config->identified[i];
@@ -18,17 +18,17 @@ void ema_runs_move(ema_session_t* session, const ema_real* x)
     }
 }
 
-ema_real ema_runs_start_mm(const ema_session_t* session)
+ema_real ema_session_search_start_mm(const ema_session_t* session)
 {
     return ema_start_mm(&session->config->actuator->params, &session->record);
 }
 
 /* Starts the next model run of the search: first at the healthy values, then at the annealer's candidates. */
-ema_status_t ema_runs_begin(ema_session_t* session)
+ema_status_t ema_session_search_begin(ema_session_t* session)
 {
     const ema_session_config_t* const config = session->config;
     if (session->healthy_done) {
-        ema_runs_move(session, ema_annealer_candidate(&session->annealer));
+        ema_session_search_move(session, ema_annealer_candidate(&session->annealer));
     } else {
         ema_copy(&session->actuator, config->actuator, sizeof session->actuator);
     }
@@ -36,7 +36,7 @@ ema_status_t ema_runs_begin(ema_session_t* session)
                                ? ema_min(ema_annealer_limit(&session->annealer), EMA_COST_MAX)
                                : EMA_COST_MAX;
     ema_status_t status = ema_objective_start(&session->run, &session->actuator, &session->record, config->weight,
-                                              ema_runs_start_mm(session), limit);
+                                              ema_session_search_start_mm(session), limit);
     /* tables are read where the configuration lies, so that a copy of the session does not depend on its original */
     ema_model_learned(&session->run.model, config->actuator);
     if ((status != EMA_OK) && session->healthy_done) {
@@ -49,7 +49,7 @@ ema_status_t ema_runs_begin(ema_session_t* session)
     return status;
 }
 
-ema_status_t ema_runs_next(ema_session_t* session)
+ema_status_t ema_session_search_next(ema_session_t* session)
 {
     const ema_real cost = ema_objective_value(&session->run);
     ++session->evaluations;
@@ -64,7 +64,7 @@ ema_status_t ema_runs_next(ema_session_t* session)
     }
     ema_status_t status = EMA_OK;
     if (ema_annealer_outcome(&session->annealer) == EMA_OUTCOME_ACTIVE) {
-        status = ema_runs_begin(session);
+        status = ema_session_search_begin(session);
     }
     return status;
 }

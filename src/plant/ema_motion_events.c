@@ -1,13 +1,13 @@
 /* An integration step with its events, one after the other: find the next, move to it, let it happen. Apart from
  * ema_motion.c so that a step without events needs none of its stack. */
-#include "ema_effect_sites.h"
-#include "ema_events.h"
-#include "ema_math.h"
-#include "ema_motion.h"
-#include "ema_motor.h"
+#include "base/ema_math.h"
+#include "blocks/ema_motor.h"
+#include "effects/ema_effect_sites.h"
+#include "plant/ema_events.h"
+#include "plant/ema_motion.h"
 
 /* The speed is zero: dry friction holds the shaft, or it reverses at once. */
-static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
+static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work)
 {
     /* a turning point beyond a stop is the stop */
     if (state->angle_rad > plant->screw.stop_upper_rad) {
@@ -41,7 +41,7 @@ static int32_t ema_motion_left(const ema_plant_t* plant, ema_motion_t direction)
     return ema_acts(plant, EMA_SITE_PRESLIDING) ? (int32_t)EMA_MOTION_ELASTIC : (int32_t)direction;
 }
 
-static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
+static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work)
 {
     const ema_event_t* const event = &work->event;
     switch (event->kind) {
@@ -70,7 +70,7 @@ static void ema_event_apply(const ema_plant_t* plant, ema_state_t* state, ema_wo
     }
 }
 
-void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real play_start_mm,
+void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real play_start_mm,
                     ema_real span_s)
 {
     ema_screw_play_keep(&plant->screw, state, plant->gearbox.lead_mm_per_rad * state->angle_rad);
@@ -80,7 +80,7 @@ void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_work_t* wo
     state->rod_speed_mm_s = work->rod.rod_speed_mm_s;
 }
 
-void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
+void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_event_t* const event = &work->event;
     const ema_real play_start_mm = state->play_mm;

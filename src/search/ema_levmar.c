@@ -1,16 +1,16 @@
-#include "ema/ema_damped.h"
+#include "ema/detail/ema_levmar.h"
 
-#include "ema_linear.h"
-#include "ema_math.h"
+#include "base/ema_linear.h"
+#include "base/ema_math.h"
 
 /* Element (i, j) of a triangle. */
-static ema_real ema_damped_at(const ema_real* normal, uint32_t i, uint32_t j)
+static ema_real ema_levmar_at(const ema_real* normal, uint32_t i, uint32_t j)
 {
     return (i >= j) ? normal[EMA_TRIANGLE(i) + j] : normal[EMA_TRIANGLE(j) + i];
 }
 
 /* Length of a coordinate's sensitivities, zero where it is not of use. */
-static ema_real ema_damped_length(const ema_real* normal, uint32_t i)
+static ema_real ema_levmar_length(const ema_real* normal, uint32_t i)
 {
     const ema_real square = normal[EMA_TRIANGLE(i) + i];
     return ((square > EMA_R(0.0)) && ema_is_finite(square)) ? ema_sqrt(square) : EMA_R(0.0);
@@ -18,8 +18,8 @@ static ema_real ema_damped_length(const ema_real* normal, uint32_t i)
 
 /* The step of the coordinates that are open, the others where `step` has them. All in units of their lengths, which
  * are as different as the values' own. */
-static void ema_damped_solve(const ema_real* normal, const ema_real* gradient, uint32_t size, ema_real damping,
-                             ema_damped_t* memory, ema_real* step)
+static void ema_levmar_solve(const ema_real* normal, const ema_real* gradient, uint32_t size, ema_real damping,
+                             ema_levmar_t* memory, ema_real* step)
 {
     uint32_t count = 0U;
     for (uint32_t i = 0; i < size; ++i) {
@@ -29,12 +29,12 @@ static void ema_damped_solve(const ema_real* normal, const ema_real* gradient, u
             for (uint32_t j = 0; j < size; ++j) {
                 /* a coordinate without sensitivities has no finite products either */
                 if (!memory->open[j] && (step[j] != EMA_R(0.0))) {
-                    sum -= ema_damped_at(normal, i, j) * step[j];
+                    sum -= ema_levmar_at(normal, i, j) * step[j];
                 }
             }
             for (uint32_t k = 0; k < count; ++k) {
                 const uint32_t j = memory->place[k];
-                row[k] = ema_damped_at(normal, i, j) / (memory->length[i] * memory->length[j]);
+                row[k] = ema_levmar_at(normal, i, j) / (memory->length[i] * memory->length[j]);
             }
             row[count] = EMA_R(1.0) + damping;
             memory->right[count] = sum / memory->length[i];
@@ -53,7 +53,7 @@ static void ema_damped_solve(const ema_real* normal, const ema_real* gradient, u
 }
 
 /* Puts coordinates that the step takes outside to their bounds; false when there were any. */
-static bool ema_damped_inside(const ema_real* x, uint32_t size, ema_damped_t* memory, ema_real* step)
+static bool ema_levmar_inside(const ema_real* x, uint32_t size, ema_levmar_t* memory, ema_real* step)
 {
     bool inside = true;
     for (uint32_t i = 0; i < size; ++i) {
@@ -67,29 +67,29 @@ static bool ema_damped_inside(const ema_real* x, uint32_t size, ema_damped_t* me
     return inside;
 }
 
-ema_real ema_damped_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
-                         ema_real damping, ema_damped_t* memory, ema_real* step)
+ema_real ema_levmar_step(const ema_real* normal, const ema_real* gradient, const ema_real* x, uint32_t size,
+                         ema_real damping, ema_levmar_t* memory, ema_real* step)
 {
     ema_real fall = EMA_R(0.0);
     for (uint32_t i = 0; i < size; ++i) {
         const bool held = ((x[i] <= EMA_R(0.0)) && (gradient[i] < EMA_R(0.0)))
                           || ((x[i] >= EMA_R(1.0)) && (gradient[i] > EMA_R(0.0)));
-        memory->length[i] = ema_damped_length(normal, i);
+        memory->length[i] = ema_levmar_length(normal, i);
         memory->open[i] = (memory->length[i] > EMA_R(0.0)) && ema_is_finite(gradient[i]) && !held;
         step[i] = EMA_R(0.0);
     }
     bool inside = false;
     /* every round but the last leaves fewer of them open */
     while (!inside) {
-        ema_damped_solve(normal, gradient, size, damping, memory, step);
-        inside = ema_damped_inside(x, size, memory, step);
+        ema_levmar_solve(normal, gradient, size, damping, memory, step);
+        inside = ema_levmar_inside(x, size, memory, step);
     }
     for (uint32_t i = 0; i < size; ++i) {
         if (step[i] != EMA_R(0.0)) {
             ema_real made = EMA_R(0.0);
             for (uint32_t j = 0; j < size; ++j) {
                 if (step[j] != EMA_R(0.0)) {
-                    made += ema_damped_at(normal, i, j) * step[j];
+                    made += ema_levmar_at(normal, i, j) * step[j];
                 }
             }
             fall += step[i] * ((EMA_R(2.0) * gradient[i]) - made);
@@ -100,13 +100,13 @@ ema_real ema_damped_step(const ema_real* normal, const ema_real* gradient, const
 
 /* The parts of a coordinate's sensitivities along those of `place`, whose Cholesky factor is given, in `along`; returns
  * the square of what is left of its unit length. */
-static ema_real ema_damped_rest(const ema_real* normal, const ema_real* factor, const uint32_t* place, uint32_t count,
+static ema_real ema_levmar_rest(const ema_real* normal, const ema_real* factor, const uint32_t* place, uint32_t count,
                                 uint32_t which, ema_real* along)
 {
-    const ema_real length = ema_damped_length(normal, which);
+    const ema_real length = ema_levmar_length(normal, which);
     ema_real rest = EMA_R(1.0);
     for (uint32_t k = 0; k < count; ++k) {
-        along[k] = ema_damped_at(normal, which, place[k]) / (length * ema_damped_length(normal, place[k]));
+        along[k] = ema_levmar_at(normal, which, place[k]) / (length * ema_levmar_length(normal, place[k]));
     }
     ema_solve_lower(factor, count, along);
     for (uint32_t k = 0; k < count; ++k) {
@@ -115,18 +115,18 @@ static ema_real ema_damped_rest(const ema_real* normal, const ema_real* factor, 
     return rest;
 }
 
-ema_apart_t ema_damped_apart(const ema_real* normal, uint32_t size, uint32_t which)
+ema_collinearity_t ema_levmar_collinearity(const ema_real* normal, uint32_t size, uint32_t which)
 {
-    ema_apart_t apart = {ema_damped_length(normal, which), EMA_R(1.0), which};
-    ema_real factor[EMA_TRIANGLE(EMA_DAMPED_MAX)];
-    ema_real along[EMA_DAMPED_MAX];
-    uint32_t place[EMA_DAMPED_MAX];
+    ema_collinearity_t apart = {ema_levmar_length(normal, which), EMA_R(1.0), which};
+    ema_real factor[EMA_TRIANGLE(EMA_LEVMAR_MAX)];
+    ema_real along[EMA_LEVMAR_MAX];
+    uint32_t place[EMA_LEVMAR_MAX];
     uint32_t count = 0U;
     /* the others one after the other, those left out that the ones before them make already */
     for (uint32_t i = 0; i < size; ++i) {
-        if ((i != which) && (ema_damped_length(normal, i) > EMA_R(0.0))) {
+        if ((i != which) && (ema_levmar_length(normal, i) > EMA_R(0.0))) {
             ema_real* const row = &factor[EMA_TRIANGLE(count)];
-            const ema_real rest = ema_damped_rest(normal, factor, place, count, i, row);
+            const ema_real rest = ema_levmar_rest(normal, factor, place, count, i, row);
             if (rest > EMA_PIVOT_SHARE) {
                 row[count] = ema_sqrt(rest);
                 place[count] = i;
@@ -135,7 +135,7 @@ ema_apart_t ema_damped_apart(const ema_real* normal, uint32_t size, uint32_t whi
         }
     }
     if (apart.length > EMA_R(0.0)) {
-        apart.share = ema_max(ema_damped_rest(normal, factor, place, count, which, along), EMA_R(0.0));
+        apart.share = ema_max(ema_levmar_rest(normal, factor, place, count, which, along), EMA_R(0.0));
         ema_solve_upper(factor, count, along);
         ema_real largest = EMA_R(0.0);
         for (uint32_t k = 0; k < count; ++k) {

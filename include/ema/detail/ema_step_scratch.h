@@ -5,10 +5,10 @@
  * models whose steps follow each other. It means nothing between two steps: there is nothing to set beforehand, and
  * nothing to keep with a checkpoint.
  */
-#ifndef EMA_WORK_H
-#define EMA_WORK_H
+#ifndef EMA_STEP_SCRATCH_H
+#define EMA_STEP_SCRATCH_H
 
-#include "ema/ema_plant.h"
+#include "ema/detail/ema_plant.h"
 
 /* Terms of a power series beyond the constant one. */
 #if EMA_REAL64
@@ -141,6 +141,6 @@ typedef struct {
     };
     ema_real
         terms[EMA_SERIES_TERMS + 1U]; /* of the series that is made of these: the angle's, or that of what is sought */
-} ema_work_t;
+} ema_step_scratch_t;
 
 #endif

@@ -1,6 +1,6 @@
-#include "ema_today.h"
+#include "session/ema_temperature_correction.h"
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 /* What a rise over the mean of both values, which is a logarithm within 1 % up to 40 %, makes in degC: copper gains
  * 0.393 % a degree (IEC 60028), a grease loses about 2.8 %. */
@@ -10,7 +10,8 @@
 /* CSJ beside a winding and a grease that are so many degrees warmer than in the healthy runs, brought to the
  * temperature of those. Where they do not agree, one of them is changed by something else: the day is what lies between
  * the two nearest to the healthy runs, and what that makes of CSJ, as on any day, stays open. */
-static void ema_today_csj(const ema_params_t* params, ema_real winding_degC, ema_real grease_degC, ema_estimate_t* csj)
+static void ema_temperature_correct_csj(const ema_params_t* params, ema_real winding_degC, ema_real grease_degC,
+                                        ema_estimate_t* csj)
 {
     const ema_real apart_degC = winding_degC - grease_degC;
     ema_real warmer_degC = grease_degC + (params->day_winding_ratio * apart_degC);
@@ -31,7 +32,7 @@ static void ema_today_csj(const ema_params_t* params, ema_real winding_degC, ema
     csj->shift_percent -= share * (EMA_R(100.0) + csj->shift_percent);
 }
 
-void ema_today(const ema_session_config_t* config, ema_result_t* result)
+void ema_temperature_correction(const ema_session_config_t* config, ema_result_t* result)
 {
     const ema_params_t* const params = &config->actuator->params;
     ema_real winding_degC = EMA_R(0.0);
@@ -53,7 +54,7 @@ void ema_today(const ema_session_config_t* config, ema_result_t* result)
         } else if (id == EMA_VALUE_ID(csj_Nm)) {
             estimate->scatter_percent = params->csj_scatter_percent;
             if ((params->day_apart_degC > EMA_R(0.0)) && (told == 2U)) {
-                ema_today_csj(params, winding_degC, grease_degC, estimate);
+                ema_temperature_correct_csj(params, winding_degC, grease_degC, estimate);
             }
         } else {
             /* scatters by nothing that the actuator says */

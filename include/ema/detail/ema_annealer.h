@@ -23,9 +23,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ema/ema_random.h"
-#include "ema/ema_real.h"
-#include "ema/ema_status.h"
+#include "ema/detail/ema_random.h"
+#include "ema/detail/ema_real.h"
+#include "ema/detail/ema_status.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,5 +1,5 @@
 /* What the day's temperature makes of CSJ, against the laws of copper, grease and friction in float64. */
-#include "ema_today.h"
+#include "session/ema_temperature_correction.h"
 
 #include <math.h>
 
@@ -59,7 +59,7 @@ static void read_day(double winding_degC, double grease_degC, double csj)
         result.identified[i].today = result.identified[i].estimate;
         result.identified[i].shift_percent = (ema_real)(100.0 * (times - 1.0));
     }
-    ema_today(&config, &result);
+    ema_temperature_correction(&config, &result);
 }
 
 static void test_friction_of_a_sound_machine_is_the_healthy_one_on_any_day(void)

@@ -15,7 +15,7 @@
 #ifndef EMA_SENSITIVITY_H
 #define EMA_SENSITIVITY_H
 
-#include "ema/ema_cursor.h"
+#include "ema/detail/ema_cursor.h"
 #include "ema/ema_model.h"
 
 #ifdef __cplusplus
@@ -49,7 +49,7 @@ typedef struct {
     uint32_t next_run;   /* whose turn it is */
     ema_real command_mm; /* of the present model step, for all of them */
     ema_output_t row_output[1U + EMA_IDENTIFIED_MAX];
-    ema_work_t work; /* one for all of them */
+    ema_step_scratch_t work; /* one for all of them */
     ema_state_t state[1U + EMA_IDENTIFIED_MAX];
     ema_plant_t plant[1U + EMA_IDENTIFIED_MAX]; /* of each run, and its state */
 } ema_sensitivity_t;

@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 #ifdef __cplusplus
 extern "C" {

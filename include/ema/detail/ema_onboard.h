@@ -15,7 +15,7 @@
 #ifndef EMA_ONBOARD_H
 #define EMA_ONBOARD_H
 
-#include "ema/ema_cursor.h"
+#include "ema/detail/ema_cursor.h"
 #include "ema/ema_model.h"
 
 #ifdef __cplusplus

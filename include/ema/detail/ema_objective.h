@@ -8,7 +8,7 @@
 #ifndef EMA_OBJECTIVE_H
 #define EMA_OBJECTIVE_H
 
-#include "ema/ema_cursor.h"
+#include "ema/detail/ema_cursor.h"
 #include "ema/ema_model.h"
 
 #ifdef __cplusplus
@@ -46,7 +46,7 @@ ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_
                                  const ema_real weight[EMA_CHANNEL_COUNT], ema_real start_mm, ema_real limit);
 
 /* Runs for `steps` plain steps of work: so many model steps where nothing happens and no effect acts, fewer otherwise
- * (ema_work.h), and never less than one. Cost: that work, and the rest of the step that reaches it: at most
+ * (ema_step_scratch.h), and never less than one. Cost: that work, and the rest of the step that reaches it: at most
  * EMA_STEP_WORK_MAX. Returns the state; further calls after the end do
  * nothing. */
 ema_objective_state_t ema_objective_run(ema_objective_t* objective, uint32_t steps);

@@ -1,16 +1,16 @@
 /* The damped step against a solution worked out here in double, its conditions at the bounds, and what the sums tell
  * apart. */
-#include "ema/ema_damped.h"
+#include "ema/ema.h"
 
 #include <math.h>
 
 #include "ema_rig.h"
 
-#define SIZE EMA_DAMPED_MAX
+#define SIZE EMA_LEVMAR_MAX
 #define ROWS 40U
 
-static ema_damped_t memory;
-static ema_real normal[EMA_DAMPED_TRIANGLE(SIZE)];
+static ema_levmar_t memory;
+static ema_real normal[EMA_LEVMAR_TRIANGLE(SIZE)];
 static ema_real gradient[SIZE];
 static ema_real step[SIZE];
 static const ema_real middle[SIZE] = {EMA_R(0.5), EMA_R(0.5), EMA_R(0.5), EMA_R(0.5),
@@ -29,13 +29,13 @@ void tearDown(void)
 
 static double element(uint32_t i, uint32_t j)
 {
-    return (double)((i >= j) ? normal[EMA_DAMPED_TRIANGLE(i) + j] : normal[EMA_DAMPED_TRIANGLE(j) + i]);
+    return (double)((i >= j) ? normal[EMA_LEVMAR_TRIANGLE(i) + j] : normal[EMA_LEVMAR_TRIANGLE(j) + i]);
 }
 
 /* Sums of random sensitivities of very different sizes, and of a random residual times `size`. */
 static void make_sums(uint32_t count, ema_real size)
 {
-    for (uint32_t k = 0; k < EMA_DAMPED_TRIANGLE(SIZE); ++k) {
+    for (uint32_t k = 0; k < EMA_LEVMAR_TRIANGLE(SIZE); ++k) {
         normal[k] = EMA_R(0.0);
     }
     for (uint32_t i = 0; i < count; ++i) {
@@ -50,7 +50,7 @@ static void make_sums(uint32_t count, ema_real size)
             scale *= EMA_R(3.0);
             gradient[i] += slope[i] * residual;
             for (uint32_t j = 0; j <= i; ++j) {
-                normal[EMA_DAMPED_TRIANGLE(i) + j] += slope[i] * slope[j];
+                normal[EMA_LEVMAR_TRIANGLE(i) + j] += slope[i] * slope[j];
             }
         }
     }
@@ -74,7 +74,7 @@ static void test_step_solves_the_damped_equations(void)
         for (uint32_t trial = 0; trial < 20U; ++trial) {
             const ema_real damping = (trial < 10U) ? EMA_DAMPING_MIN : EMA_R(0.5);
             make_sums(count, EMA_R(1.0e-3));
-            const ema_real promised = ema_damped_step(normal, gradient, middle, count, damping, &memory, step);
+            const ema_real promised = ema_levmar_step(normal, gradient, middle, count, damping, &memory, step);
             double fall = 0.0;
             for (uint32_t i = 0; i < count; ++i) {
                 TEST_ASSERT_TRUE(fabs(left_of(i, count, (double)damping)) < EMA_BY_PRECISION(1.0e-4, 1.0e-12));
@@ -102,7 +102,7 @@ static void test_step_stays_in_the_box_and_is_solved_for_the_others(void)
         for (uint32_t i = 0; i < SIZE; ++i) {
             x[i] = ema_rig_uniform(EMA_R(0.0), EMA_R(1.0));
         }
-        (void)ema_damped_step(normal, gradient, x, SIZE, EMA_R(0.01), &memory, step);
+        (void)ema_levmar_step(normal, gradient, x, SIZE, EMA_R(0.01), &memory, step);
         for (uint32_t i = 0; i < SIZE; ++i) {
             const double to = (double)x[i] + (double)step[i];
             TEST_ASSERT_TRUE((to >= -EMA_EPS) && (to <= (1.0 + EMA_EPS)));
@@ -125,11 +125,11 @@ static void test_coordinate_at_a_bound_stays_when_it_wants_out_and_leaves_when_i
     normal[2] = EMA_R(4.0);
     gradient[0] = EMA_R(-0.4);
     gradient[1] = EMA_R(0.4);
-    const ema_real held = ema_damped_step(normal, gradient, x, 2U, EMA_DAMPING_MIN, &memory, step);
+    const ema_real held = ema_levmar_step(normal, gradient, x, 2U, EMA_DAMPING_MIN, &memory, step);
     TEST_ASSERT_TRUE((step[0] == EMA_R(0.0)) && (step[1] == EMA_R(0.0)));
     TEST_ASSERT_TRUE(held == EMA_R(0.0));
     gradient[0] = EMA_R(0.4);
-    const ema_real one = ema_damped_step(normal, gradient, x, 2U, EMA_DAMPING_MIN, &memory, step);
+    const ema_real one = ema_levmar_step(normal, gradient, x, 2U, EMA_DAMPING_MIN, &memory, step);
     EMA_ASSERT_CLOSE(0.1, step[0], 2.0e-5, 0.0);
     TEST_ASSERT_TRUE(step[1] == EMA_R(0.0));
     EMA_ASSERT_CLOSE(0.04, one, 1.0e-5, 0.0);
@@ -144,13 +144,13 @@ static void test_coordinate_without_sensitivities_is_left_and_does_not_disturb(v
         normal[2] = useless[k];
         gradient[0] = EMA_R(0.4);
         gradient[1] = useless[k];
-        (void)ema_damped_step(normal, gradient, middle, 2U, EMA_DAMPING_MIN, &memory, step);
+        (void)ema_levmar_step(normal, gradient, middle, 2U, EMA_DAMPING_MIN, &memory, step);
         EMA_ASSERT_CLOSE(0.1, step[0], 2.0e-5, 0.0);
         TEST_ASSERT_TRUE(step[1] == EMA_R(0.0));
-        const ema_apart_t apart = ema_damped_apart(normal, 2U, 1U);
+        const ema_collinearity_t apart = ema_levmar_collinearity(normal, 2U, 1U);
         TEST_ASSERT_TRUE(apart.length == EMA_R(0.0));
         TEST_ASSERT_EQUAL_UINT32(1U, apart.partner);
-        const ema_apart_t other = ema_damped_apart(normal, 2U, 0U);
+        const ema_collinearity_t other = ema_levmar_collinearity(normal, 2U, 0U);
         TEST_ASSERT_TRUE((other.share == EMA_R(1.0)) && (other.length == EMA_R(2.0)));
     }
 }
@@ -162,7 +162,7 @@ static void test_alike_coordinates_still_have_a_step(void)
     }
     gradient[0] = EMA_R(0.4);
     gradient[1] = EMA_R(0.4);
-    (void)ema_damped_step(normal, gradient, middle, 2U, EMA_DAMPING_MIN, &memory, step);
+    (void)ema_levmar_step(normal, gradient, middle, 2U, EMA_DAMPING_MIN, &memory, step);
     EMA_ASSERT_CLOSE(0.05, step[0], 1.0e-4, 0.0);
     EMA_ASSERT_CLOSE(0.05, step[1], 1.0e-4, 0.0);
 }
@@ -175,7 +175,7 @@ static void test_alike_coordinates_without_damping_stay(void)
     }
     gradient[0] = EMA_R(0.4);
     gradient[1] = EMA_R(0.4);
-    TEST_ASSERT_TRUE(ema_damped_step(normal, gradient, middle, 2U, EMA_R(0.0), &memory, step) == EMA_R(0.0));
+    TEST_ASSERT_TRUE(ema_levmar_step(normal, gradient, middle, 2U, EMA_R(0.0), &memory, step) == EMA_R(0.0));
     TEST_ASSERT_TRUE((step[0] == EMA_R(0.0)) && (step[1] == EMA_R(0.0)));
 }
 
@@ -186,7 +186,7 @@ static void test_gradient_that_is_no_number_moves_nothing(void)
     normal[2] = EMA_R(4.0);
     gradient[0] = (ema_real)NAN;
     gradient[1] = EMA_R(0.4);
-    (void)ema_damped_step(normal, gradient, middle, 2U, EMA_DAMPING_MIN, &memory, step);
+    (void)ema_levmar_step(normal, gradient, middle, 2U, EMA_DAMPING_MIN, &memory, step);
     TEST_ASSERT_TRUE(step[0] == EMA_R(0.0));
     EMA_ASSERT_CLOSE(0.1, step[1], 2.0e-5, 0.0);
 }
@@ -204,7 +204,7 @@ static void test_share_is_that_of_the_inverse(void)
     const double inverse[3] = {((c * f) - (e * e)) / determinant, ((a * f) - (d * d)) / determinant,
                                ((a * c) - (b * b)) / determinant};
     for (uint32_t k = 0; k < 3U; ++k) {
-        const ema_apart_t apart = ema_damped_apart(normal, 3U, k);
+        const ema_collinearity_t apart = ema_levmar_collinearity(normal, 3U, k);
         EMA_ASSERT_CLOSE(sqrt(element(k, k)), apart.length, 0.0, EMA_BY_PRECISION(1.0e-6, 1.0e-14));
         EMA_ASSERT_CLOSE(1.0 / (inverse[k] * element(k, k)), apart.share, EMA_BY_PRECISION(1.0e-5, 1.0e-13), 0.0);
     }
@@ -214,16 +214,16 @@ static void test_share_is_that_of_the_inverse(void)
 static void test_partner_does_the_same(void)
 {
     const ema_real sums[6] = {EMA_R(1.0), EMA_R(2.0), EMA_R(4.0), EMA_R(0.1), EMA_R(0.2), EMA_R(9.0)};
-    const ema_apart_t first = ema_damped_apart(sums, 3U, 0U);
-    const ema_apart_t second = ema_damped_apart(sums, 3U, 1U);
-    const ema_apart_t third = ema_damped_apart(sums, 3U, 2U);
+    const ema_collinearity_t first = ema_levmar_collinearity(sums, 3U, 0U);
+    const ema_collinearity_t second = ema_levmar_collinearity(sums, 3U, 1U);
+    const ema_collinearity_t third = ema_levmar_collinearity(sums, 3U, 2U);
     EMA_ASSERT_CLOSE(0.0, first.share, EMA_BY_PRECISION(1.0e-6, 1.0e-14), 0.0);
     EMA_ASSERT_CLOSE(0.0, second.share, EMA_BY_PRECISION(1.0e-6, 1.0e-14), 0.0);
     TEST_ASSERT_EQUAL_UINT32(1U, first.partner);
     TEST_ASSERT_EQUAL_UINT32(0U, second.partner);
     EMA_ASSERT_CLOSE(1.0 - (0.01 / 9.0), third.share, EMA_BY_PRECISION(1.0e-6, 1.0e-14), 0.0);
     TEST_ASSERT_TRUE(third.partner < 2U);
-    TEST_ASSERT_EQUAL_UINT32(0U, ema_damped_apart(sums, 1U, 0U).partner);
+    TEST_ASSERT_EQUAL_UINT32(0U, ema_levmar_collinearity(sums, 1U, 0U).partner);
 }
 
 int main(void)

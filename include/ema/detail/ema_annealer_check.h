@@ -6,7 +6,7 @@
 #ifndef EMA_ANNEALER_CHECK_H
 #define EMA_ANNEALER_CHECK_H
 
-#include "ema/ema_annealer.h"
+#include "ema/detail/ema_annealer.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,8 +1,8 @@
-#include "ema_passage.h"
+#include "trend/ema_first_passage.h"
 
 #include <stdint.h>
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 /* Logarithm of Mills' ratio over t = 1 / (1 + z / 2), by powers of t, the highest first: a least-squares fit, off by
  * at most 5e-8. */

@@ -1,8 +1,8 @@
 /* When wear that is known with a doubt first reaches the limit. */
-#ifndef EMA_PASSAGE_H
-#define EMA_PASSAGE_H
+#ifndef EMA_FIRST_PASSAGE_H
+#define EMA_FIRST_PASSAGE_H
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* Probability that a normal number of mean 0 and variance 1 lies above `z`. Error under 1e-6, in float64
  * under 1e-7. */
