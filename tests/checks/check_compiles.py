@@ -117,6 +117,7 @@ def snippet_errors(root: Path, compiler: str, exported: Path, also: list[str], f
     if rows:
         (folder / "own_effects.def").write_text("\n".join(rows), encoding="utf-8")
         flags.append('-DEMA_OWN_EFFECTS="own_effects.def"')
+        flags.append("-DEMA_CONFIG_SCHEMA=0U")  # as CMake gives it for other lists; nothing is linked here
         units.insert(0, "".join(f'#include "{name}"\n' for name in ROWS_READ))
     for number, text in enumerate(units):
         unit = folder / f"snippet_{number}.c"
