@@ -58,8 +58,7 @@ configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/ema.in" "${CMAKE_BINARY_DIR}/e
                @ONLY NEWLINE_STYLE UNIX
                FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
-# What is written from the lists and kept in the project: reference vectors, and what the example firmware compiles in, for its data sheet's machine and for a unit with standing errors.
-set(ema_unit "${CMAKE_CURRENT_SOURCE_DIR}/recordings/unit")
+# Generated files that the project keeps: reference vectors, sizes of effects, the schema.
 add_custom_target(written
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib" "EMA_BIN_DIR=${CMAKE_BINARY_DIR}/bin"
             "${EMA_VENV_PYTHON}" -B -m reference_model.vectors "${CMAKE_CURRENT_SOURCE_DIR}/tests/vectors"
@@ -67,16 +66,25 @@ add_custom_target(written
             "${EMA_VENV_PYTHON}" -B -m benchmarks.effects --header "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/ema_costed.def"
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
             "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/ema_schema.h"
-    COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
-            --root "${CMAKE_CURRENT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_actuator.h"
-            "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_signatures.h"
-    COMMAND "${EMA_VENV_PYTHON}" -B "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/exported.py" --write --python "${EMA_VENV_PYTHON}"
-            --root "${CMAKE_CURRENT_SOURCE_DIR}" --actuator "${ema_unit}/unit.toml" --healthy "${ema_unit}/healthy_1.csv" "${ema_unit}/healthy_2.csv"
-            "${ema_unit}/healthy_3.csv" --image "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_units.bin" -- "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_actuator.h"
-            "${CMAKE_CURRENT_SOURCE_DIR}/port/cortex_m/example/ace_unit_signatures.h"
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     DEPENDS venv ema_desk32 ema_desk64 ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)
+
+# What the example firmware compiles in: configurations, tables of signatures and an image, for the reference actuator and for a unit with standing effects.
+set(ema_export "${CMAKE_CURRENT_SOURCE_DIR}/examples/firmware/export.py")
+file(GLOB_RECURSE ema_export_inputs CONFIGURE_DEPENDS tools/ema_tools/*.py recordings/unit/* actuators/reference.toml)
+add_custom_command(
+    OUTPUT "${EMA_EXPORTED}/exported.stamp"
+    COMMAND "${Python3_EXECUTABLE}" -B "${ema_export}" --ema "${CMAKE_BINARY_DIR}/ema" --output "${EMA_EXPORTED}"
+    COMMAND "${CMAKE_COMMAND}" -E touch "${EMA_EXPORTED}/exported.stamp"
+    DEPENDS "${ema_export}" ${ema_export_inputs} "${EMA_VENV}/run.stamp" ema_desk32 ema_desk64
+    COMMENT "Exporting what the example firmware compiles in" VERBATIM)
+set(ema_with_all "")
+if(EMA_TESTS)
+    set(ema_with_all ALL)
+endif()
+add_custom_target(exported ${ema_with_all} DEPENDS "${EMA_EXPORTED}/exported.stamp")
+add_dependencies(exported venv)
 
 add_custom_target(demo
     COMMAND "${CMAKE_BINARY_DIR}/ema" demo

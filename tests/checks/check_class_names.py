@@ -1,7 +1,4 @@
-"""Holds one vocabulary in the tools: a class name stands once, so that a reader who meets it knows which it is.
-
-The reference model and the benchmarks have words of their own: no library looks at names across files.
-"""
+"""Checks that a class name of the tools is used once; no library serves, since linters compare no names across files."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Compiles without linking, for facts that the build does not show.
 
-`headers`: every header of include and src compiles alone, and twice. `clang`: clang's own warning about hidden
-conversions between float types, which gcc lacks; without clang the check is skipped (exit code 77). `snippets`: every
-block of C in README.md and docs compiles as it stands there; rows of effects are taken as effects of one's own.
+No library serves: CMake's own check of header sets knows neither private headers, nor two precisions, nor a second
+inclusion, and none knows blocks of C in documents. `headers`: every header of include and src compiles alone, and twice.
+`snippets`: every block of C in README.md and docs compiles; rows of effects are compiled as effects of the user.
 All in float32 and in float64.
 """
 
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -18,13 +17,11 @@ from pathlib import Path
 
 from sources import c_files, finish
 
-SKIP = 77
-CLANGS = ("clang", *(f"clang-{version}" for version in range(22, 13, -1)))
 # Documents that live by their C: one in which no block is found has lost it, or hides it from this check.
 DOCUMENTS = ("README.md", "docs/FIRMWARE.md", "docs/ONBOARD_DIAGNOSIS.md", "docs/YOUR_OWN_EFFECT.md", "docs/ADD_AN_EFFECT.md")
 BLOCK = re.compile(r"^ {0,3}```+[ \t]*[cC]\b[^\n]*\n(.*?)^ {0,3}```", re.MULTILINE | re.DOTALL)
 ROW = re.compile(r"^EMA_EFFECT\((\w+),", re.MULTILINE)
-# What the documents call the headers that `ema export` writes, and where such ones are.
+# Names in the documents of headers that `ema export` writes, and the exported headers of the example firmware.
 EXPORTED = {"ema_actuator_data.h": "ace_actuator.h", "ema_signatures.h": "ace_signatures.h"}
 # Whatever reads rows of effects: their sites, the structures, the ranges of their values.
 ROWS_READ = ("ema_effect_sites.h", "ema_actuator.c")
@@ -68,25 +65,6 @@ def check_headers(root: Path, compiler: str) -> tuple[list[str], int]:
     return problems, len(headers)
 
 
-def check_clang(root: Path, compiler: str) -> tuple[list[str], int]:
-    """Every C file of the module and its ports with clang's float conversion warnings as errors; not the board's, nor what wants the headers of a standard."""
-    problems: list[str] = []
-    files = [file for file in c_files(root, "src", "port", suffixes=(".c",)) if not {"cortex_m", "fmi"} & set(file.parts)]
-    for file in files:
-        for real64 in (0, 1):
-            flags = [
-                *include_flags(root),
-                f"-DEMA_REAL64={real64}",
-                "-Wimplicit-float-conversion",
-                "-Wfloat-conversion",
-                "-Wdouble-promotion",
-            ]
-            error = compile_errors(compiler, flags, file)
-            if error:
-                problems.append(f"{file.relative_to(root)}, EMA_REAL64={real64}: {error}")
-    return problems, len(files)
-
-
 def blocks_of(root: Path, document: Path) -> list[str]:
     """The document's blocks of C, each beginning with its place; an effect that the library already has gets another name."""
     text = document.read_text(encoding="utf-8")
@@ -100,8 +78,8 @@ def blocks_of(root: Path, document: Path) -> list[str]:
     return blocks
 
 
-def check_snippets(root: Path, compiler: str, also: list[str], documents: tuple[str, ...] = DOCUMENTS) -> tuple[list[str], int]:
-    """Every block of C in the documents; `also`: folders of headers that are not the project's."""
+def check_snippets(root: Path, compiler: str, exported: Path, also: list[str], documents: tuple[str, ...] = DOCUMENTS) -> tuple[list[str], int]:
+    """Every block of C in the documents. `exported`: folder of headers that `ema export` wrote; `also`: folders of headers that are not the project's."""
     problems: list[str] = []
     checked = 0
     found = sorted({root / "README.md", *(root / name for name in documents), *(root / "docs").rglob("*.md")})
@@ -116,15 +94,15 @@ def check_snippets(root: Path, compiler: str, also: list[str], documents: tuple[
                 f"{document.relative_to(root)}: no block of C in it: begin one with ```c, or take the document out of DOCUMENTS in check_compiles.py"
             )
         with tempfile.TemporaryDirectory() as folder:
-            problems += [f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, also, Path(folder), blocks)]
+            problems += [f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, exported, also, Path(folder), blocks)]
     return problems, checked
 
 
-def snippet_errors(root: Path, compiler: str, also: list[str], folder: Path, blocks: list[str]) -> list[str]:
+def snippet_errors(root: Path, compiler: str, exported: Path, also: list[str], folder: Path, blocks: list[str]) -> list[str]:
     """First error of each of a document's blocks, in each precision."""
     errors: list[str] = []
-    for name, exported in EXPORTED.items():
-        (folder / name).write_text(f'#include "{root / "port/cortex_m/example" / exported}"\n', encoding="utf-8")
+    for name, header in EXPORTED.items():
+        (folder / name).write_text(f'#include "{exported / header}"\n', encoding="utf-8")
     rows = [block for block in blocks if ROW.search(block)]
     flags = [
         "-I",
@@ -153,24 +131,18 @@ def snippet_errors(root: Path, compiler: str, also: list[str], folder: Path, blo
 def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("headers", "clang", "snippets"))
+    parser.add_argument("what", choices=("headers", "snippets"))
     parser.add_argument("--root", type=Path, required=True)
     parser.add_argument("--compiler", default="cc")
+    parser.add_argument("--exported", type=Path, help="snippets: folder of headers that `ema export` wrote")
     parser.add_argument("--also", action="append", default=[], help="snippets: a folder of headers that are not the project's")
     arguments = parser.parse_args()
     root = arguments.root.resolve()
     if arguments.what == "headers":
         problems, checked = check_headers(root, arguments.compiler)
         return finish("headers", problems, checked, "headers")
-    if arguments.what == "snippets":
-        problems, checked = check_snippets(root, arguments.compiler, arguments.also)
-        return finish("snippets", problems, checked, "blocks of C")
-    clang = next((path for name in CLANGS if (path := shutil.which(name))), None)
-    if clang is None:
-        print("clang: not on this machine, check skipped: install the package clang to run it")
-        return SKIP
-    problems, checked = check_clang(root, clang)
-    return finish("clang", problems, checked, "files")
+    problems, checked = check_snippets(root, arguments.compiler, arguments.exported, arguments.also)
+    return finish("snippets", problems, checked, "blocks of C")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
-"""Holds the dependency rule: a file of src includes only its own level and lower ones, and nothing of port; inside a level no two include each other.
+"""Checks which C file may include which; no library serves, since linters know allowed system headers but no levels.
 
+A file of src includes only its own level and lower ones, and nothing of port; inside a level no two include each other.
 A public header belongs to the level of the C file with its name; one without a C file passes on what it includes. A
 header of src and the C file with its name count as one where circles are sought. Ports use public headers; the desk
 alone shows single blocks to the tools.

@@ -1,4 +1,4 @@
-"""Holds src and include against MISRA C:2012 by cppcheck's addon.
+"""Compares the findings of cppcheck's MISRA addon with the deviations of docs/MISRA.md; cppcheck's own suppressions know no table of reasons.
 
 Every finding against a required or mandatory rule must be marked at its line with a deviation of docs/MISRA.md; every mark needs its finding, every
 deviation a mark. Advisory rules are counted. In each precision a file with known faults is looked at too: where they are not found, nothing else was

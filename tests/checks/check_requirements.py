@@ -1,5 +1,6 @@
-"""docs/REQUIREMENTS.md against code and tests: every requirement names functions of the module and tests that are run, every public function has a requirement, and every
-unit test program stands behind one.
+"""Compares docs/REQUIREMENTS.md with code and tests; no library serves: programs for traceability want requirements in a format of their own.
+
+Every requirement names functions of the module and tests that are run; every public function and every unit test program belongs to a requirement.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Looks at the compiled module: it needs nothing but itself and memory copies, and keeps no writable data.
+"""Checks the symbols of the compiled module; no library serves: nm lists them, and the rule is the project's own.
 
-A whole-program fact that no warning shows: an unexpected library call (heap, stdio, a transcendental, a square root
+The module needs nothing but itself and memory copies, and keeps no writable data. A whole-program fact that no warning shows: an unexpected library call (heap, stdio, a transcendental, a square root
 that was not inlined) is an undefined symbol, and a global is a symbol in a writable section.
 """
 

@@ -1,4 +1,4 @@
-"""Holds the naming rule: a real number in a public structure, or in a list of parameters, ends in its unit.
+"""Checks that the name of a real number in a public structure or list ends in its unit; no library knows units in C names.
 
 Units and the names without one stand in unit_names.txt, with a reason each; a name there that nothing uses is wrong too.
 """

@@ -11,7 +11,7 @@ add_custom_command(OUTPUT "${ema_tables}"
 add_library(ema_recorded STATIC "${CMAKE_CURRENT_LIST_DIR}/ema_recorded.c" "${ema_tables}")
 ema_compile(ema_recorded)
 target_include_directories(ema_recorded PUBLIC "${CMAKE_CURRENT_LIST_DIR}"
-                           PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/records" "${CMAKE_CURRENT_LIST_DIR}/../../port/cortex_m/example")
+                           PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/records" "${EMA_EXPORTED}")
 target_link_libraries(ema_recorded PUBLIC EMA::ema)
 
 add_executable(ema_answer "${CMAKE_CURRENT_LIST_DIR}/ema_answer.c")

@@ -1,6 +1,6 @@
 """Builds the module by every compiler that is there, at every level, and writes what comes out of it as docs/BUILDS.md: code, stack, the longest slice and bits.
 
-    python3 tests/target/builds.py --tables build-cortex-m4f/tests/target/records --work build/builds -o docs/BUILDS.md
+    python3 tests/target/builds.py --tables build-cortex-m4f/tests/target/records --exported build/exported --work build/builds -o docs/BUILDS.md
 
 Each build identifies recorded case A by `ema_answer` and must print what the first one printed; and it looks for the longest slice by `ema_worst`, whose instructions are counted by the emulator
 of the board, by a plugin of QEMU's user emulation (counted/qemu_count.c), or by wasmtime (counted/run_wasm.py, where this Python has that package). A compiler or emulator that is not there is
@@ -116,6 +116,7 @@ class Build:
     """One machine at one level, in a folder of its own."""
 
     root: Path
+    exported: Path
     tables: Path
     machine: Machine
     level: str
@@ -135,7 +136,7 @@ class Build:
             *sorted(path for path in (self.root / "src").iterdir() if path.is_dir()),
             self.root / "tests/target",
             self.root / "port/cortex_m",
-            self.root / "port/cortex_m/example",
+            self.exported,
             self.tables,
         ]
         return [f"-I{folder}" for folder in folders]
@@ -271,7 +272,7 @@ def document(found: Sequence[tuple[Machine, str, Built]], versions: Sequence[str
             "",
             "Written by a command; do not edit. To write it again, after `cmake --workflow --preset cortex-m4f`, which writes the recorded cases as a table:",
             "",
-            "    python3 tests/target/builds.py --tables build-cortex-m4f/tests/target/records --work build/builds -o docs/BUILDS.md",
+            "    python3 tests/target/builds.py --tables build-cortex-m4f/tests/target/records --exported build/exported --work build/builds -o docs/BUILDS.md",
             "",
             f"The same C files, with `{' '.join(EXACT)}` and the level, by {', '.join(versions)}.",
             "Code and constants are the sum over all of the module's objects with every effect, more than any firmware links: what the four calls take stands in [BUDGETS](BUDGETS.md).",
@@ -298,6 +299,7 @@ def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tables", type=Path, required=True, help="folder of ema_recorded_tables.inc")
+    parser.add_argument("--exported", type=Path, required=True, help="folder of what the example firmware compiles in")
     parser.add_argument("--work", type=Path, required=True, help="folder of the objects, made anew")
     parser.add_argument("--resume", action="store_true", help="keep what a run before, of the same sources, has finished in it")
     parser.add_argument("-o", "--output", type=Path, required=True, help="the document, overwritten")
@@ -324,7 +326,7 @@ def main() -> int:
             try:
                 counts = root / "tests/target/counted/qemu_count.c"
                 plugin = emulate.plugin_for(machine.emulator, counts, "counter", given.work.resolve()) if machine.emulator else None
-                built = Build(root, given.tables.resolve(), machine, level, given.work.resolve(), plugin).found()
+                built = Build(root, given.exported.resolve(), given.tables.resolve(), machine, level, given.work.resolve(), plugin).found()
                 found.append((machine, level, built))
                 print(f"  {built.slice} instructions, {built.used} bytes", flush=True)
             except (BuildError, same_answer.WrongAnswerError, stack.StackError, FileNotFoundError) as error:

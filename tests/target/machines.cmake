@@ -38,7 +38,7 @@ foreach(day sound worn hidden)
 endforeach()
 
 # The worn unit again, its configuration the second unit of a binary image; and that image with one bit turned over.
-set(ema_ace_image "${CMAKE_CURRENT_LIST_DIR}/../../port/cortex_m/example/ace_units.bin")
+set(ema_ace_image "${EMA_EXPORTED}/ace_units.bin")
 foreach(image sound damaged)
     set(source "${CMAKE_CURRENT_BINARY_DIR}/images/${image}/ace_image.c")
     file(MAKE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/images/${image}")

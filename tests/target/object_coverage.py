@@ -19,6 +19,8 @@ from pathlib import Path
 import emulate
 
 # Programs beside the unit tests, with their arguments.
+# Programs of test sources; the others hold builds that leave something out, which is other code.
+PROGRAMS = ("ema_tests_f32", "ema_tests_open")
 IDENTIFIES = (("ema_answer", ("a", "1", "1000", "int16")), ("ema_answer", ("u", "1", "1000", "int16")))
 FUNCTION = re.compile(r"^[0-9a-f]+ <(\w+)>:$")
 INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\t((?:[0-9a-f]{4} ?)+)\s*\t(\S+)")
@@ -160,6 +162,11 @@ def document(functions: Sequence[Function], programs: int, compiler: str) -> str
     return "\n".join(lines)
 
 
+def sources_of(folder: Path) -> list[str]:
+    """Names of the test sources that the build put into the program of this folder. Raises FileNotFoundError."""
+    return re.findall(r"EMA_TEST_SOURCE_ROW\((\w+)\)", (folder / "ema_test_sources.def").read_text(encoding="utf-8"))
+
+
 def problems_of(functions: Sequence[Function]) -> list[str]:
     """What is less than it has to be."""
     all_of, missed, ways, untaken = counts_of(functions)
@@ -189,10 +196,7 @@ def main() -> int:
         given.work.mkdir(parents=True, exist_ok=True)
         plugin = emulate.plugin_for(emulate.QEMU, source, "reached", given.work)
         functions = functions_of(given.objdump, given.nm, given.objects)
-        # tests of builds that leave something out are of other code
-        runs: list[tuple[Path, tuple[str, ...]]] = [
-            (program, ()) for program in sorted([*given.programs.glob("test_*_f32"), *given.programs.glob("test_*_open")])
-        ]
+        runs = [(given.programs / name, (source,)) for name in PROGRAMS for source in sources_of(given.programs.parent / name)]
         runs += [(given.answer.with_name(name), arguments) for name, arguments in IDENTIFIES]
         for program, arguments in runs:
             reached = given.work / "reached"

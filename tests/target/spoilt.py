@@ -189,7 +189,7 @@ Written by a command; do not edit. To write it again, after `cmake --workflow --
 
     cmake --build build-cortex-m4f --target firmware_faults
 
-The example firmware (`port/cortex_m/example`) on the emulated Cortex-M4F, self-test first, its configuration a unit of the binary image `ace_units.bin`: on every spoilt record of
+The example firmware (`examples/firmware`) on the emulated Cortex-M4F, self-test first, its configuration a unit of the binary image `ace_units.bin`: on every spoilt record of
 [FAULTS](FAULTS.md) for the reference actuator, and on the worn day of the unit with standing errors, spoilt in the same ways, and its sound day as it is. What is spoilt in the columns of
 command or time alone is left out: firmware makes both itself.
 An instruction takes {INSTRUCTION_US * 1000.0:.0f} ns of the emulated time; a slice of {example.SLICE_STEPS} steps may take 2000 us and a control tick may come 20 us late.

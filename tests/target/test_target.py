@@ -13,7 +13,6 @@ import budgets
 import builds
 import emulate
 import example
-import exported
 import make_image
 import make_records
 import object_coverage
@@ -447,30 +446,6 @@ def report(**changed: str) -> str:
         "shift_percent 0 7",
     ]
     return "\n".join([*(f"{name} {value}" for name, value in values.items()), *pairs])
-
-
-def exported_table(**changed: str) -> str:
-    """A table as `ema export` writes it, in small, apart from what is changed."""
-    values = {"effect": "4", "turn": "0x1.2p-11", "count": "-7", "bins": "250U"} | changed
-    counts = "\n".join(["    1, 2, 3,"] * 400)
-    return (
-        f"/* one actuator */\n    {{{values['effect']}, 45, true, EMA_R({values['turn']})}}, /* an effect */\n    5, {values['count']}, 6,\n{counts}\n"
-        f"static const ema_signatures_t EMA_SIGNATURES = {{\n    .bins = {values['bins']},\n    .limit = EMA_R(30.0),\n}};\n"
-    )
-
-
-class Exported(unittest.TestCase):
-    """The table in the firmware and the one of today."""
-
-    def test_the_same(self) -> None:
-        self.assertEqual(exported.table_problem(exported_table(), exported_table().replace("one actuator", "another")), "")
-        self.assertEqual(exported.table_problem(exported_table(), exported_table(count="-8", turn="0x1.200001p-11")), "")
-
-    def test_another(self) -> None:
-        for changed in ({"effect": "5"}, {"turn": "0x1.21p-11"}, {"count": "-10"}, {"bins": "251U"}):
-            with self.subTest(changed):
-                self.assertNotEqual(exported.table_problem(exported_table(), exported_table(**changed)), "")
-        self.assertNotEqual(exported.table_problem("", ""), "")
 
 
 class Example(unittest.TestCase):

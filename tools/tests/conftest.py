@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from ema_tools.base.one_thread import one_thread_unless_told
@@ -12,8 +11,6 @@ one_thread_unless_told()
 
 import pytest
 from hypothesis import settings
-
-from demo_run import forget_demo_run
 
 # An example that takes long is a busy machine, not a defect.
 # the same examples everywhere: what fails for one fails for all
@@ -35,9 +32,3 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The order of the files; within one it stays."""
     place = {name: number for number, name in enumerate(FIRST)}
     items.sort(key=lambda item: place.get(Path(item.path).stem, len(FIRST)))
-
-
-def pytest_unconfigure(config: pytest.Config) -> None:
-    """The run of the demo that all tests share goes with the process that leads them."""
-    if "PYTEST_XDIST_WORKER" not in os.environ:
-        forget_demo_run()

@@ -22,6 +22,8 @@ from ema_tools.tasks.simulate import simulate_record
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "actuators" / "reference.toml"
 RECORDINGS = ROOT / "recordings"
+# What the build exports for the example firmware (target `exported`), beside its libraries.
+EXPORTED = Path(os.environ.get("EMA_LIBRARY_DIR", ROOT / "build" / "lib")).resolve().parent / "exported"
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ from support import chirp_record, run_ema
 quick = pytest.mark.skipif(not HAS_NUMBA, reason="the plant takes minutes a record without Numba")
 
 
+@pytest.mark.slow
 @quick
 @pytest.mark.parametrize(
     ("kind", "command", "effect"),
@@ -54,6 +55,7 @@ def test_the_hidden_effect_is_named_without_a_controller(kind: str, command: str
     assert row["verdict"] == "missing" and row["error"][1] < 0.5 * row["error"][0]
 
 
+@pytest.mark.slow
 @quick
 @pytest.mark.parametrize("command", ["sweeps", pytest.param("steady speeds", marks=pytest.mark.slow)])
 def test_a_healthy_machine_is_accused_of_nothing(command: str) -> None:
@@ -140,6 +142,7 @@ def test_a_machine_that_moves_one_way_is_said_to() -> None:
     assert [one.topic for one in answer.gates[0].remarks if "one way only" in one.text] == ["coverage"]
 
 
+@pytest.mark.slow
 @quick
 @pytest.mark.parametrize(
     ("kind", "command", "periods"),
@@ -178,6 +181,7 @@ def spinning(speed_rad_s: float, seed: int, wave_Nm: float = 0.0, start_rad: flo
     return MotionRecord(5e-3, f"run {seed}").with_columns({"motor_speed_rad_s": speed, "torque_Nm": torque})
 
 
+@pytest.mark.slow
 def test_a_swing_once_per_turn_is_named_where_nobody_knows_where_records_begin() -> None:
     actuator = actuator_of("lead screw", 0)
     runs = [spinning(speed, seed, 2e-3, 1.7 * seed) for seed, speed in enumerate((2.0, -3.0, 5.0, -7.0, 9.0))]
@@ -191,6 +195,7 @@ def test_a_swing_once_per_turn_is_named_where_nobody_knows_where_records_begin()
     assert SAME_SWING in reasons.values() or len([step for step in found.steps if "periods" in str(step.values)]) == 1
 
 
+@pytest.mark.slow
 def test_friction_that_falls_with_speed_gives_the_viscous_friction_back() -> None:
     """Without the effect the records put viscous friction below zero; held there, it would turn up as another effect."""
     found = improve_by_forces(actuator_of("bare motor", 0), [swept(top, seed) for seed, top in enumerate((15.0, 40.0, 90.0, 150.0))])
@@ -320,6 +325,7 @@ def test_a_drive_of_the_wrong_sign_blocks_fitted_and_held_out() -> None:
             diagnosed(machine, fitted, (), held_out)
 
 
+@pytest.mark.slow
 def test_nothing_is_adequate_beside_a_record_of_another_machine() -> None:
     machine, own = actuator_of("bare motor", 0), [steady_friction(number) for number in range(3)]
     alone = diagnosed(machine, own[:2], (), own[2])
@@ -331,6 +337,7 @@ def test_nothing_is_adequate_beside_a_record_of_another_machine() -> None:
         assert found.verdict == "unknown" and "of run 3: it may be another machine's" in found.unseen, found.unseen
 
 
+@pytest.mark.slow
 def test_another_inertia_than_the_healthy_one_is_another_machine() -> None:
     own = [steady_friction(number) for number in range(5)]
     found = diagnosed(actuator_of("bare motor", 0), [steady_friction(6, 4e-4)], own)

@@ -71,6 +71,7 @@ def test_what_the_records_hardly_show_contradicts_nothing() -> None:
     assert values[J].hardly_seen and not values[J].contradicts
 
 
+@pytest.mark.slow
 def test_a_value_that_nobody_stated_contradicts_nothing() -> None:
     values = fitted(machine(friction=3.0 * FRICTION, remarks={C: FROM_RECORDS}), [run(seed) for seed in range(3)])
     assert values[C].by_import and not values[C].contradicts and np.isnan(values[C].times)

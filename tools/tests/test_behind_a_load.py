@@ -20,6 +20,7 @@ from ema_tools.select.force_steps import ForceStep, ForceSteps, Tried
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
 from ema_tools.tasks.method import diagnosed
 from ema_tools.words.sentences.balance import sentence
+from shared_results import shared_result
 
 INERTIA, VISCOUS, CSJ, LOAD = "screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm"
 RATIO, DRY_NM, WEIGHT_NM = 80.0, 0.05, 0.2
@@ -61,10 +62,12 @@ def swung(
     )
 
 
+@shared_result
 def found(**made: float) -> ForceSteps:
     return improve_by_forces(joint(), [swung(seed, **made) for seed in range(4)])
 
 
+@pytest.mark.slow
 def test_a_weight_alone_is_one_and_nothing_is_accused() -> None:
     steps = found().steps
     (weight,) = steps
@@ -74,6 +77,7 @@ def test_a_weight_alone_is_one_and_nothing_is_accused() -> None:
     assert weight.values[INERTIA] == pytest.approx(2e-4, rel=0.02)
 
 
+@pytest.mark.slow
 def test_friction_that_rises_at_standstill_is_found_behind_a_weight() -> None:
     """It takes off less than a hundredth of what the first model leaves, which is the weight."""
     answer = found(rise=0.5)
@@ -83,6 +87,7 @@ def test_friction_that_rises_at_standstill_is_found_behind_a_weight() -> None:
     assert answer.steps[-1].values["stribeck_friction.rise"] == pytest.approx(0.5, rel=0.2)
 
 
+@pytest.mark.slow
 def test_friction_of_the_torque_that_is_transmitted_is_found_behind_a_weight() -> None:
     """The weight is most of that torque, which a drive foretold from inertia and friction alone does not hold; and with the stated inertia the effect stands in for another one."""
     answer = improve_by_forces(joint().changed({INERTIA: 2.3e-4}), [swung(seed, share=0.15) for seed in range(4)])
@@ -113,6 +118,7 @@ def test_a_heavier_arm_is_one_value_and_not_three(heavier: float) -> None:
     assert list(changed.values()) == [pytest.approx(heavier - 1.0, abs=0.03)] * len(changed)
 
 
+@pytest.mark.slow
 def test_a_constant_torque_is_asked_again_beside_a_weight() -> None:
     """Friction that is larger one way is the same torque at any motion; a weight over a part of its turn hides it at first."""
     steps = found(load_Nm=0.01, phase_rad=0.0).steps
@@ -127,6 +133,7 @@ def test_a_constant_torque_that_stood_in_for_a_spring_is_gone_beside_it() -> Non
     assert [name for name in accepted if name not in ALWAYS] == ["spring_load"]
 
 
+@pytest.mark.slow
 def test_a_torque_of_no_effect_stands_before_the_lesser_part_that_is_named() -> None:
     """What comes at any time, whatever the machine does, is most of what is left beside a Stribeck effect that is there."""
     plain = actuator_of("bare motor", 0).changed({INERTIA: 2e-4, VISCOUS: 3e-4, CSJ: 0.06, LOAD: 0.0}).with_drive_lag(0.0)
@@ -184,6 +191,7 @@ def test_the_floor_of_laps_is_one_of_the_records_and_not_of_the_model() -> None:
     assert 0.1 < floors[0] < 1.5
 
 
+@pytest.mark.slow
 def test_what_is_sought_by_simulation_alone_is_not_advised_where_nothing_can_be_simulated() -> None:
     reasons = Counter(one.reason for one in found().refused)
     assert reasons[NOT_SIMULATED] and not reasons[UNSOUGHT]
@@ -210,6 +218,7 @@ def bare() -> Actuator:
     return actuator_of("bare motor", 0).changed({INERTIA: 2e-4, VISCOUS: 1e-4, CSJ: 0.05, LOAD: 0.0}).with_drive_lag(0.0)
 
 
+@pytest.mark.slow
 def test_every_step_stands_once_and_lowers_the_error() -> None:
     """A zero that drifts is no effect of the library, and several of them take up a part of it: what one has made needless is not counted beside what came again."""
     answer = improve_by_forces(bare(), [shaft(seed, 0.1, 0.003) for seed in range(6)])

@@ -16,6 +16,7 @@ import pytest
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.data.records import Record, read_record, write_record
 from ema_tools.library.definitions import load_definitions
+from shared_results import shared_folder
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
@@ -52,19 +53,25 @@ def finite(value: Any) -> bool:
     return isinstance(value, float) and math.isfinite(value)
 
 
-@pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Recordings by name: hot, hot under another command, healthy ones."""
-    folder = tmp_path_factory.mktemp("runs")
+@shared_folder
+def _runs(folder: Path) -> None:
     found = {f"healthy_{k}": run_of(10 + k) for k in range(3)}
     found |= {"hot": run_of(1, HOT), "hot_other": run_of(2, HOT, OTHER), "other": run_of(3, text=OTHER)}
-    return {name: written(folder / f"{name}.csv", record) for name, record in found.items()}
+    for name, record in found.items():
+        write_record(folder / f"{name}.csv", record)
 
 
 @pytest.fixture(scope="module")
-def done(runs: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def runs() -> dict[str, Path]:
+    """Recordings by name: hot, hot under another command, healthy ones."""
+    return {path.stem: path for path in _runs().glob("*.csv")}
+
+
+@pytest.fixture(scope="module")
+@shared_folder
+def done(folder: Path) -> None:
     """A folder with the results of diagnose and add against three healthy runs, with their pages."""
-    folder = tmp_path_factory.mktemp("done")
+    runs = {path.stem: path for path in _runs().glob("*.csv")}
     repeats = [part for k in range(3) for part in ("--healthy", runs[f"healthy_{k}"])]
     shared = (*repeats, "--holdout", runs["hot_other"])
     ran = run_ema(
@@ -96,7 +103,6 @@ def done(runs: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Pat
         folder / "a.html",
     )
     assert ran.code == 0, ran.err
-    return folder
 
 
 def result(path: Path) -> dict[str, Any]:
@@ -156,12 +162,12 @@ def test_what_diagnose_and_add_write_agree(done: Path) -> None:
     assert result(done / "d.json")["error"]["before"] == pytest.approx(result(done / "a.json")["error"]["before"], rel=1e-6)
 
 
-def test_pages_show_size_and_standard_error(done: Path) -> None:
+def test_pages_show_size_and_standard_error(done: Path, tmp_path: Path) -> None:
     for name in ("d", "a"):
         page = (done / f"{name}.html").read_text(encoding="utf-8")
         assert re.search(r"<code>rise_degC</code> (59|60|61)(\.\d+)? ± \d(\.\d+)? degC", page), name
-    assert run_ema("report", done / "d.json", done / "a.json", "-o", done / "both.html").code == 0
-    both = (done / "both.html").read_text(encoding="utf-8")
+    assert run_ema("report", done / "d.json", done / "a.json", "-o", tmp_path / "both.html").code == 0
+    both = (tmp_path / "both.html").read_text(encoding="utf-8")
     assert len(re.findall(r"rise_degC = (59|60|61)\.\d+ degC \[95 %: \d", both)) >= 2
 
 
@@ -221,6 +227,7 @@ def test_an_effect_that_is_there_is_refitted_and_said_so(runs: dict[str, Path], 
     assert ran.code == 0 and "is not in the model at this size" in ran.out
 
 
+@pytest.mark.slow
 def test_an_effect_of_the_file_that_the_healthy_runs_do_not_have_is_said(tmp_path: Path) -> None:
     new, story = tmp_path / "new.toml", RECORDINGS / "story"
     assert run_ema("add", REFERENCE, "stribeck_friction", "--set", "rise=0.3", "-o", new).code == 0
@@ -392,6 +399,7 @@ def test_wrong_additions_are_one_line(arguments: tuple[str, ...], message: str, 
     assert not new.exists()
 
 
+@pytest.mark.slow
 def test_an_effect_with_a_value_too_many_ends_in_its_special_case(tmp_path: Path) -> None:
     """Beside these two runs a Stribeck friction of two directions comes first, before wear is known; beside the wear nothing of its second direction is left."""
     story = RECORDINGS / "story"

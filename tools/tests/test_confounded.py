@@ -97,6 +97,7 @@ def test_no_effect_of_a_typical_size_is_slight(effect: str) -> None:
     assert not is_slight(reference_actuator(), f"effects.{effect}.{LIBRARY[effect].size}", 0.5 * LIBRARY[effect].medium)
 
 
+@pytest.mark.slow
 @needs_numba
 @pytest.mark.parametrize("unit", [3, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_healthy_unit_that_is_known_by_its_data_sheet_alone_is_not_accused(unit: int) -> None:

@@ -191,6 +191,7 @@ def test_a_document_keeps_what_an_earlier_one_measured_of_the_same_value() -> No
     assert effects_of(written([ONE, other], swept)) != said
 
 
+@pytest.mark.slow
 def test_rows_of_other_sources_hold_where_the_plain_answer_is_what_it_was() -> None:
     rows = swept_rows()
     for name in ("a", "b"):

@@ -114,6 +114,7 @@ def test_health_by_a_record_that_cannot_tell_is_undecided_and_says_what_it_hangs
     assert 2.0 < guard.open_std_percent["csj_Nm"] < 8.0
 
 
+@pytest.mark.slow
 def test_what_the_inverter_may_have_lost_today_is_in_the_interval() -> None:
     """On a quick triangle 0.15 V of dead time read as 6 % more friction, and leave less than the noise: the reading is off, and its interval says so; and more dead time would do for all of it."""
     triangle = "triangle:amplitude_mm=2,start_hz=1"
@@ -146,6 +147,7 @@ REACHES: dict[str, tuple[str, dict[str, float], str, float]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", REACHES)
 def test_the_size_of_a_fault_reaches_over_what_the_drive_may_be_today(what: str) -> None:
     """Half a volt of dead time, five of its usual deviations, or a gain of 1.6 % beside a doubled play: the fault is right, and its size is another by far more than usual days make of it."""
@@ -175,6 +177,7 @@ def magnets(stronger: float) -> dict[str, float]:
     return {name: (1.0 + stronger) * KNOWN[name] for name in ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad")}
 
 
+@pytest.mark.slow
 def test_a_slow_small_motion_does_not_tell_friction_from_magnets() -> None:
     """Slopes say it does: what reversals leave between them looks like knowledge. Fits do not, and stronger magnets hid +10 % of friction in a healthy answer, weaker ones made +6 % of none."""
     healthy = [recorded({}, SMALL, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
@@ -187,6 +190,7 @@ def test_a_slow_small_motion_does_not_tell_friction_from_magnets() -> None:
         assert low is not None and high is not None and low < true < high
 
 
+@pytest.mark.slow
 def test_a_winding_that_is_warm_alone_may_be_a_current_that_is_read_wrongly() -> None:
     """A doubled play beside a current that reads 10 % too much: "CSJ +10 %" and a winding 23 degC colder, or neither."""
     healthy = [recorded({}, SMALL, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
@@ -200,6 +204,7 @@ def test_a_winding_that_is_warm_alone_may_be_a_current_that_is_read_wrongly() ->
 SLOW_SMALL = "chirp:amplitude_mm=0.5,end_hz=0.3,duration_s=20"
 
 
+@pytest.mark.slow
 def test_no_unit_is_healthy_beside_an_effect_that_is_missing() -> None:
     """Magnets 10 % stronger hide CSJ +12 % on a slow, small motion behind a rise of the drag that is not there: "healthy, besides a rise" would be wrong."""
     healthy = [recorded({}, SLOW_SMALL, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
@@ -208,6 +213,7 @@ def test_no_unit_is_healthy_beside_an_effect_that_is_missing() -> None:
     assert (found.verdict, found.objection) == ("undecided", "missing"), sentence(found)
 
 
+@pytest.mark.slow
 def test_an_effect_beside_a_fault_that_stands_is_told_and_the_size_reaches_to_what_it_leaves() -> None:
     """A supply 2 % low beside CSJ +18 %: the rod alone explains the record by CSJ +21 %, and all signals say better."""
     healthy = [recorded({}, TRIANGLE, seed, file=f"h{seed}.csv") for seed in (2, 3, 4)]
@@ -221,6 +227,7 @@ def test_an_effect_beside_a_fault_that_stands_is_told_and_the_size_reaches_to_wh
     assert low is not None and high is not None and low < true < high < 1.02 * one.estimate
 
 
+@pytest.mark.slow
 def test_healthy_values_by_the_rod_position_alone_are_as_sure_as_the_data_sheet_is() -> None:
     """A unit whose winding, grease and inertia are not the data sheet's: its healthy friction in Nm lies in its interval, which all signals make narrow."""
     unit = {
@@ -272,6 +279,7 @@ def test_no_day_is_taken_for_another_by_a_unit_whose_runs_had_one_temperature() 
     assert plain.verdict == "healthy" and "as far off" not in sentence(plain)
 
 
+@pytest.mark.slow
 def test_an_effect_that_begins_in_the_middle_is_not_passed_over() -> None:
     before, after = recorded({}, "chirp"), recorded({"effects.stribeck_friction.rise": 0.2}, "chirp")
     half = before.rows // 2

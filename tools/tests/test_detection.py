@@ -24,6 +24,7 @@ from ema_tools.results.reading import result_of
 from ema_tools.tasks.healthy_runs import least_shift
 from ema_tools.tasks.onboard_search import run
 from ema_tools.words.sentences.detection import sentence
+from shared_results import shared_result
 from support import REFERENCE, chirp_record, complaint, run_ema
 
 NAMES = ("screw.csj_Nm", "screw.blk_mm")
@@ -82,6 +83,7 @@ def test_thresholds_stay_as_stated_and_grow_with_the_scatter_unless_a_rate_is_ch
     assert least_shift(5.0, 0.4, 5, 0.001) > least_shift(5.0, 0.4, 5, 0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("day_searched", [False, True])
 def test_the_scatter_is_that_of_the_searches(day_searched: bool) -> None:
     """On records of other days with sensor noise; thirty of them know a standard deviation to 13 %."""
@@ -100,10 +102,12 @@ def test_the_scatter_is_that_of_the_searches(day_searched: bool) -> None:
 
 
 @pytest.fixture(scope="module")
+@shared_result
 def found() -> Detection:
     return detection(reference_actuator(), ShiftTest(runs=3))
 
 
+@pytest.mark.slow
 def test_the_present_test_and_better_ones(found: Detection) -> None:
     assert found.present.command.startswith("chirp:amplitude_mm=2,start_hz=0.1,end_hz=4")
     # nothing finds less of the friction than what friction itself differs by from day to day

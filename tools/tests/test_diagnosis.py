@@ -93,6 +93,7 @@ def test_every_effect_and_fault_is_a_candidate(healthy: list[Record]) -> None:
     assert "blk" not in {candidate.effect for candidate in candidates(Screen(here), without=("blk",))}
 
 
+@pytest.mark.slow
 @needs_numba
 def test_a_hidden_effect_is_named_with_its_size_and_the_error_falls_to_the_floor(hot: Answer) -> None:
     assert hot.verdict == "missing"
@@ -141,6 +142,7 @@ def test_adding_a_wrong_effect_is_not_recommended(healthy: list[Record]) -> None
     assert reason(found)
 
 
+@pytest.mark.slow
 @needs_numba
 def test_a_fault_is_named_as_the_fault_and_not_as_an_effect(healthy: list[Record]) -> None:
     found = answer(reference_actuator(), run_of({"screw.csj_Nm": 0.2}, 777), healthy[:-1])
@@ -158,6 +160,7 @@ def _noisy(changes: dict[str, float], seed: int) -> Record:
     )
 
 
+@pytest.mark.slow
 def test_a_worn_one_among_the_healthy_records_is_named() -> None:
     worn = {"screw.csj_Nm": 1.4 * reference_actuator()["screw.csj_Nm"]}
     with pytest.raises(InputError, match=r"run_3\.csv: not of the same state as run_2\.csv: csj_Nm differs from theirs by"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,6 +14,7 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import MotionRecord, read_motion_record
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_against, answer_by_balance, gates_of
+from shared_results import shared_result
 from test_value_changes import CONSTANT, DRY, INERTIA, NOISE_A, PERIOD_S, VISCOUS, sheet, speed, stated  # noqa: F401 - a fixture
 
 _FAST_RAD_S = 80.0
@@ -39,7 +39,7 @@ def _record(folder: Path, seed: int, *, dry: float = 1.0, drag: float = 1.0, ben
     return read_motion_record(path)
 
 
-@cache
+@shared_result
 def _healthy() -> HealthyByBalance:
     """The machine by four healthy records, once for all tests."""
     with TemporaryDirectory() as name:
@@ -51,6 +51,7 @@ def _answered(known: Actuator, folder: Path, **today: float) -> BalanceAnswer:
     return answer_against(_healthy(), records, (), gates_of(known, records))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("today", "effect"),
     [pytest.param({"bends": 0.5}, "quadratic_viscous", marks=pytest.mark.release), ({"bearing": 0.25}, "load_dependent_friction")],
@@ -72,6 +73,7 @@ def test_several_values_that_changed_are_no_effect(tmp_path: Path, sheet: Actuat
     assert {one.name for one in found.changed} == {"screw.csj_Nm", "screw.viscous_Nm_s_per_rad"}
 
 
+@pytest.mark.slow
 def test_one_of_the_healthy_records_that_is_not_is_named(tmp_path: Path, sheet: Actuator) -> None:  # noqa: F811
     """Its friction was scatter, and hid as much in today's."""
     healthy = [*(_record(tmp_path, seed) for seed in range(3)), _record(tmp_path, 7, dry=1.3)]

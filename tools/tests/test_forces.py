@@ -23,6 +23,7 @@ from ema_tools.select.force_judge import SIZE_IN_STD
 from ema_tools.select.force_steps import ForceSteps
 from ema_tools.select.torque_patterns import pattern_of, patterns_of
 from ema_tools.words.answers.balance import forces_of
+from shared_results import shared_result
 from support import chirp_record, emps_path, run_ema
 
 GAINS = {"gtau": 35.0, "kp": 160.0, "kv": 240.0}
@@ -48,11 +49,13 @@ def axis_record(hidden: dict[str, float], seed: int = 1) -> tuple[Actuator, Reco
 
 
 @pytest.fixture(scope="module")
+@shared_result
 def hidden() -> tuple[Actuator, Record, ForceSteps]:
     actuator, record = axis_record(HIDDEN)
     return actuator, record, improve_by_forces(actuator, (record,))
 
 
+@pytest.mark.slow
 def test_hidden_effects_are_named_with_their_sizes(hidden: tuple[Actuator, Record, ForceSteps]) -> None:
     actuator, _, found = hidden
     assert [step.effect for step in found.steps] == ["constant_load", "pitch_ripple"]
@@ -72,6 +75,7 @@ def test_hidden_effects_are_named_with_their_sizes(hidden: tuple[Actuator, Recor
     assert max(last.errors.each) < 0.3
 
 
+@pytest.mark.slow
 def test_every_step_lowers_the_error_of_laps_held_out(hidden: tuple[Actuator, Record, ForceSteps]) -> None:
     _, _, found = hidden
     before = found.refitted
@@ -82,6 +86,7 @@ def test_every_step_lowers_the_error_of_laps_held_out(hidden: tuple[Actuator, Re
         before = step.errors
 
 
+@pytest.mark.slow
 def test_decoys_are_refused_with_a_reason(hidden: tuple[Actuator, Record, ForceSteps]) -> None:
     _, _, found = hidden
     reasons = {refusal.effect: refusal.reason for refusal in found.refused}
@@ -105,6 +110,7 @@ def test_decoys_are_refused_with_a_reason(hidden: tuple[Actuator, Record, ForceS
     assert "by simulation alone" in reasons["load_dependent_stribeck"]
 
 
+@pytest.mark.slow
 def test_friction_that_rises_as_the_machine_runs_is_no_warming_grease() -> None:
     for fall, named_so in ((0.1, True), (-0.1, False)):
         actuator, record = axis_record({"grease_warming.fall": fall, "grease_warming.time_s": 5.0})
@@ -112,6 +118,7 @@ def test_friction_that_rises_as_the_machine_runs_is_no_warming_grease() -> None:
         assert ("grease_warming" in [step.effect for step in found.steps]) is named_so, fall
 
 
+@pytest.mark.slow
 def test_the_new_actuator_closes_the_balance(hidden: tuple[Actuator, Record, ForceSteps]) -> None:
     actuator, record, found = hidden
     assert set(found.actuator.active_effects) == {"constant_load", "pitch_ripple"}
@@ -123,6 +130,7 @@ def test_the_new_actuator_closes_the_balance(hidden: tuple[Actuator, Record, For
     assert error(found.actuator) < 0.4 * error(actuator)
 
 
+@pytest.mark.slow
 def test_healthy_axis_is_left_alone() -> None:
     actuator, record = axis_record({})
     found = improve_by_forces(actuator, (record,))

@@ -149,6 +149,7 @@ def test_what_is_plainly_worn_stays_a_fault_and_what_is_healthy_stays_so(only: b
     assert nothing.verdict == "healthy" or (repeats and nothing.verdict == "undecided" and nothing.adequate), sentence(nothing)
 
 
+@pytest.mark.slow
 def test_plainly_adequate_without_noise_stays_a_fault() -> None:
     found = identify(reference_actuator(), chirp_record(reference_actuator().changed(WORN)))
     assert found.verdict == "fault"

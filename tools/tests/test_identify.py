@@ -47,6 +47,7 @@ def test_independent_records_are_identified(case: str, csj: float, blk: float, v
     assert answer.adequate
 
 
+@pytest.mark.slow
 def test_result_has_the_keys_that_programs_read(tmp_path: Path) -> None:
     ran = run_ema(
         "identify",
@@ -145,6 +146,7 @@ def test_what_the_record_does_not_determine_has_no_standard_error(tmp_path: Path
     )
 
 
+@pytest.mark.slow
 def test_missing_effect_is_not_called_a_fault() -> None:
     machine = reference_actuator().changed({"motor.resistance_ohm": 1.3})
     found = identify(reference_actuator(), chirp_record(machine))
@@ -182,6 +184,7 @@ def test_healthy_value_outside_its_bounds_is_named() -> None:
         identify(reference_actuator().changed({"search.csj_lower_Nm": 2.0}), chirp_record())
 
 
+@pytest.mark.slow
 def test_weights_bring_in_other_channels() -> None:
     assert weight_of(None) is None
     assert weight_of("current_A=0.5,position_mm=1") == (1.0, 0.0, 0.5, 0.0)

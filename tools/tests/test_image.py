@@ -26,11 +26,10 @@ from ema_tools.plant import native
 from ema_tools.plant.signatures_header import read_signatures
 from ema_tools.tasks.export import header_text
 from ema_tools.tasks.image import Unit, identity, image_bytes, read_image, unit_of
-from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
+from support import EXPORTED, RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
-EXAMPLE = ROOT / "port" / "cortex_m" / "example"
 UNIT = RECORDINGS / "unit" / "unit.toml"
-TABLE = EXAMPLE / "ace_unit_signatures.h"
+TABLE = EXPORTED / "ace_unit_signatures.h"
 SCHEMA = ROOT / "include" / "ema" / "ema_schema.h"
 PACKET_BYTES = 240
 
@@ -138,9 +137,9 @@ def test_the_module_reads_what_the_tools_write(program: Callable[[bytes, Path], 
     ]
 
 
-def test_the_shipped_image_is_that_of_the_shipped_table() -> None:
+def test_the_exported_image_is_that_of_the_exported_table() -> None:
     held = [unit_of(read_actuator(REFERENCE)), replace(guarded_unit()[1], name="unit")]
-    assert (EXAMPLE / "ace_units.bin").read_bytes() == image_bytes(held)
+    assert (EXPORTED / "ace_units.bin").read_bytes() == image_bytes(held)
 
 
 def test_an_image_read_back_is_its_units(tmp_path: Path) -> None:
@@ -295,7 +294,7 @@ def test_a_header_of_other_lists_does_not_compile(tmp_path: Path) -> None:
         ran = compiled(tmp_path, header_of_it, tmp_path / "include")
         assert ran.returncode != 0
         assert "made for other lists of values than those of this module: export it again: ema export" in ran.stderr
-    own = compiled(tmp_path, header, ROOT / "include", f'-DEMA_OWN_EFFECTS="{ROOT / "docs" / "own_effect" / "own_effects.def"}"')
+    own = compiled(tmp_path, header, ROOT / "include", f'-DEMA_OWN_EFFECTS="{ROOT / "examples" / "own_effect" / "own_effects.def"}"')
     assert own.returncode != 0 and "build with CMake, or define EMA_CONFIG_SCHEMA" in own.stderr
 
 

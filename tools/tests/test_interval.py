@@ -62,6 +62,7 @@ def test_nothing_is_stated_of_what_a_record_does_not_determine() -> None:
     assert interval95(1.0, 0.03, 0.04) == pytest.approx((0.902, 1.098))
 
 
+@pytest.mark.slow
 def test_programs_read_it(tmp_path: Path) -> None:
     ran = run_ema("identify", REFERENCE, RECORDINGS / "case_a_noisy.csv", "--json", tmp_path / "i.json")
     assert ran.code == 0, ran.err

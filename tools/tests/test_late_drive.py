@@ -127,6 +127,7 @@ def test_the_lag_is_found(tmp_path: Path, lag_s: float, motion_lag_s: float) -> 
     assert found == pytest.approx(lag_s - motion_lag_s, rel=0.1, abs=0.1 * FINE_S * EVERY)
 
 
+@pytest.mark.slow
 def test_a_healthy_machine_behind_a_filter_lacks_nothing(tmp_path: Path) -> None:
     known, records = machine(tmp_path), runs(lag_s=0.0015)
     found = answer_by_balance(known, records)
@@ -140,6 +141,7 @@ def test_a_healthy_machine_behind_a_filter_lacks_nothing(tmp_path: Path) -> None
     assert calibrated.values["screw.csj_Nm"] == pytest.approx(CSJ, rel=0.02)
 
 
+@pytest.mark.slow
 def test_friction_has_changed_behind_a_filter(tmp_path: Path) -> None:
     found = answer_by_balance(machine(tmp_path), runs(3, 10, lag_s=0.0015, csj=1.25 * CSJ), healthy=runs(4, lag_s=0.0015))
     assert not found.accepted
@@ -163,6 +165,7 @@ def test_friction_that_differs_by_place_is_named(tmp_path: Path) -> None:
     assert next(one.reason for one in alone.refused if one.effect == "learned_friction") == ONE_MOTION
 
 
+@pytest.mark.slow
 def test_records_that_share_no_place_tell_no_friction_by_place(tmp_path: Path) -> None:
     """What is seen of the one half of the stroke says nothing of the other; everything else is answered as ever."""
     apart = []
@@ -180,6 +183,7 @@ def written(folder: Path, records: Sequence[MotionRecord]) -> list[str]:
     return files
 
 
+@pytest.mark.slow
 def test_the_command_says_names_and_writes_it(tmp_path: Path) -> None:
     machine(tmp_path)
     files, actuator, new = written(tmp_path, runs(placed=0.25, lag_s=0.002)), tmp_path / "axis.toml", tmp_path / "new.toml"

@@ -47,6 +47,7 @@ def _found(recording: Recording, start: np.ndarray, bits: int = 32, slice_steps:
     return least_squares(values, options, recording.command_mm, channels, settings, bits)
 
 
+@pytest.mark.slow
 def test_eight_values_to_the_noise_limit_from_every_start(exact: Recording) -> None:
     recording = problems.noisy(exact, 5)
     objective = problems.objective_of(recording, 8)

@@ -53,6 +53,7 @@ def test_what_is_recorded_along_a_line_is_told_in_its_units() -> None:
     assert units_of(machine, [turning]).m_per_rad is None
 
 
+@pytest.mark.slow
 def test_the_terminal_says_the_verdict_first_and_no_torque_of_a_linear_machine(tmp_path: Path) -> None:
     n = 1e-3 * LEAD_MM / (2.0 * np.pi)
     machine = actuator_of("linear motor", 0).changed(

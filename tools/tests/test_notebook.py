@@ -13,7 +13,7 @@ import pytest
 from ema_tools.words.page.pictures import NotebookPicture
 from support import ROOT
 
-NOTEBOOK = ROOT / "docs" / "hidden_effect.ipynb"
+NOTEBOOK = ROOT / "examples" / "notebook" / "hidden_effect.ipynb"
 
 
 @pytest.mark.slow

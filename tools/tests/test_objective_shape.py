@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import xml.etree.ElementTree as ElementTree
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +19,13 @@ from ema_tools.words.page import figures
 from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.results import identified
 from ema_tools.words.sentences.identification import undetermined_words
+from shared_results import shared_result
 from support import REFERENCE, chirp_record, run_ema
 
 WORN = {"screw.csj_Nm": 0.2, "screw.blk_mm": 0.05}
 
 
-@lru_cache(maxsize=4)
+@shared_result
 def answered(noise_mm: float, day: bool = False) -> tuple[Identified, Shape]:
     actuator = reference_actuator().changed({"search.day_values": float(day), "search.evaluation_budget": 800.0})
     record = chirp_record(actuator.changed(WORN)).with_noise({"position_mm": noise_mm}, 3)

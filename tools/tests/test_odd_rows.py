@@ -76,6 +76,7 @@ def test_a_drive_that_is_noise_is_said() -> None:
     assert "leave" in remarks(swept(noise))["signals"]
 
 
+@pytest.mark.slow
 def test_no_machine_is_called_adequate_that_swings_faster_than_its_records_show() -> None:
     """Noise of the speed lowers the filter to where the magnets of a motor that turns slowly are no more seen: "no effect is missing" was said of 15 % of cogging."""
     found = diagnosed(MACHINE, speeds(1.8e-3))

@@ -23,6 +23,7 @@ from ema_tools.tasks import signature_table as onboard
 from ema_tools.tasks.export import fingerprint, header_text, signatures_text
 from ema_tools.tasks.onboard_search import run as run_search
 from ema_tools.tasks.signature_table import Signatures, judge, residual_of, signatures
+from shared_results import shared_result
 from support import ROOT, chirp_record, complaint, run_ema
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
@@ -109,6 +110,7 @@ def _record(actuator: Actuator, seed: int, seconds: float = 10.0) -> Record:
 
 
 @pytest.fixture(scope="module")
+@shared_result
 def table() -> Signatures:
     """Of the reference actuator, with three healthy runs whose friction scatters."""
     healthy = [
@@ -214,6 +216,7 @@ def test_session_behind_the_table(table: Signatures, tmp_path: Path) -> None:
     assert effect == "inertia_change"
 
 
+@pytest.mark.slow
 def test_benchmark_counts(table: Signatures) -> None:
     """The document's figures, from three records whose answers are known."""
     healthy = tuple(_record(reference_actuator(), 40 + k) for k in range(3))
@@ -253,6 +256,7 @@ def test_a_machine_that_is_its_model_is_not_warned_of(table: Signatures) -> None
     assert table.summary().warning is None
 
 
+@pytest.mark.slow
 def test_table_keeps_to_its_size() -> None:
     actuator = reference_actuator()
     healthy = [_record(actuator, k, 40.0) for k in range(2)]

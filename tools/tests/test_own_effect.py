@@ -13,7 +13,7 @@ import pytest
 from ema_tools.library.definitions import library_path, load_definitions, read_definitions
 from support import REFERENCE, ROOT, ema_elsewhere
 
-EXAMPLE = ROOT / "docs" / "own_effect"
+EXAMPLE = ROOT / "examples" / "own_effect"
 HIDDEN = {"drag_Nm_per_mm": 0.008, "start_mm": 0.5}
 NOISE = "position_mm=0.002,motor_position_mm=0.002,current_A=0.03,voltage_V=0.02"
 # Dry friction of healthy runs and of today's: a usual scatter.

@@ -23,6 +23,7 @@ from ema_tools.tasks.healthy_runs import scatter_read
 from ema_tools.tasks.identify import identify
 from ema_tools.tasks.onboard_search import DAY_SCATTER, SCATTERS, run
 from ema_tools.tasks.own_machine import OwnMachine, own_machine, repeated
+from shared_results import shared_result
 from support import REFERENCE, chirp_record, run_ema
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
@@ -37,7 +38,7 @@ def on_day(number: int, setting: str, changes: tuple[tuple[str, float], ...], da
     return record_of(machines.measured(unit, dict(changes), "chirp", machines.seed_of("own machine", number, day)), day)
 
 
-@lru_cache(maxsize=4)
+@shared_result
 def unit_model(number: int, setting: str) -> OwnMachine:
     healthy = [on_day(number, setting, (), day) for day in range(3)]
     found = own_machine(calibrate(reference_actuator(), healthy).actuator, healthy)
@@ -50,6 +51,7 @@ def worn(number: int, csj: float, blk: float) -> tuple[tuple[str, float], ...]:
     return (("screw.csj_Nm", csj * values["screw.csj_Nm"]), ("screw.blk_mm", blk * values["screw.blk_mm"]))
 
 
+@pytest.mark.slow
 @needs_numba
 @pytest.mark.parametrize(
     ("number", "setting"), [(2, ""), pytest.param(1, "", marks=pytest.mark.release), pytest.param(3, "scatter", marks=pytest.mark.slow)]
@@ -126,6 +128,7 @@ def test_a_winding_that_is_stated_not_to_scatter_shows_nothing_of_the_friction()
     assert scatter_read(known, "screw.csj_Nm", read, today, usual) > alone
 
 
+@pytest.mark.slow
 def test_calibrate_writes_it_and_says_so(tmp_path: Path) -> None:
     """A machine as its data sheet says: nothing stands in it, and its thresholds stay."""
     files = []
@@ -186,6 +189,7 @@ def test_the_reference_chirp_tells_them_apart() -> None:
     assert found is not None and found.unseen_percent == {} and found.actuator["verdict.unseen_percent"] == 0.0
 
 
+@pytest.mark.slow
 def test_on_another_command_than_the_ground_test_the_position_alone_decides_nothing() -> None:
     """On a slow triangle a weaker drive reads as friction; with the current, or beside healthy runs of that very command, the module answers."""
     unit = reference_actuator().changed({"verdict.command_speed_mm_s": 16.4})

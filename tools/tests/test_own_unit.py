@@ -19,10 +19,10 @@ from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.onboard_search import run
 from ema_tools.tasks.own_machine import own_machine
 from reference_model.vectors import session
-from support import ROOT
+from support import EXPORTED, ROOT
 
 UNIT = ROOT / "recordings" / "unit"
-TABLE = ROOT / "port" / "cortex_m" / "example" / "ace_unit_signatures.h"
+TABLE = EXPORTED / "ace_unit_signatures.h"
 VECTOR = ROOT / "tests" / "vectors" / session.FILE
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 

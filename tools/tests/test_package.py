@@ -21,8 +21,8 @@ LOCKS = {
 
 
 def names(requirements: Iterable[str]) -> set[str]:
-    """The packages of requirements, in lower case."""
-    return {match[0].lower() for line in requirements if (match := re.match(r"[A-Za-z][\w.-]*", line))}
+    """The packages of requirements, in lower case and with hyphens."""
+    return {match[0].lower().replace("_", "-") for line in requirements if (match := re.match(r"[A-Za-z][\w.-]*", line))}
 
 
 def locked(kind: str) -> set[str]:

@@ -224,6 +224,7 @@ def test_only_a_play_that_has_grown_is_a_change_by_the_speed(sheet: Actuator, wi
     assert abs(grown.today - grown.healthy - 0.056) < WIDTH_95 * grown.std
 
 
+@pytest.mark.slow
 def test_a_play_that_nobody_stated_is_said_with_the_verdict(sheet: Actuator) -> None:
     said = [sentence(answer_by_balance(sheet, [record(seed, width) for seed in range(2)])) for width in (0.12, 0.0)]
     assert "show a play (BLK) of 0.12 mm" in said[0] and "write screw.blk_mm = 0.12" in said[0], said[0]

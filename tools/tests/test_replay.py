@@ -17,10 +17,10 @@ from ema_tools.data.actuator import reference_actuator
 from ema_tools.library.definitions import library_folder
 from ema_tools.plant.native import FINDINGS, VERDICTS, Identification, SearchSettings, library
 from ema_tools.plant.signatures_header import read_signatures
-from support import REFERENCE, ROOT, run_ema
+from support import EXPORTED, REFERENCE, ROOT, run_ema
 
-EXAMPLE = ROOT / "port" / "cortex_m" / "example"
-HEADER = EXAMPLE / "ace_signatures.h"
+EXAMPLE = ROOT / "examples" / "firmware"
+HEADER = EXPORTED / "ace_signatures.h"
 # The firmware's record is what it was fed, in counts: its values are what the session saw.
 PROGRAM = """
 #include "ace.c"
@@ -81,7 +81,7 @@ def flight(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     folder = tmp_path_factory.mktemp("flight")
     (folder / "main.c").write_text(PROGRAM, encoding="utf-8")
     template = ROOT / "port" / "template"
-    places = [f"-I{place}" for place in (ROOT / "include", ROOT / "src" / "base", ROOT / "src" / "ident", EXAMPLE, template)]
+    places = [f"-I{place}" for place in (ROOT / "include", ROOT / "src" / "base", ROOT / "src" / "ident", EXAMPLE, EXPORTED, template)]
     sources = ["main.c", str(template / "ace_board.c"), str(template / "ace_plant.c"), str(archive), "-lm"]
     flags = ["-std=c11", "-O2", "-ffp-contract=off", *MACHINES[request.param]]
     subprocess.run([compiler, *flags, *places, *sources, "-o", "main"], cwd=folder, check=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import xml.etree.ElementTree as ElementTree
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +28,13 @@ from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.results import parse_result
 from repeated_runs import WIDE, measured, repeats
 from report_results import identified
+from shared_results import shared_result
 from test_report_page import _structure, _without_scripts
 
 HIDDEN = {"effects.jam_spot.amplitude_Nm": 0.1, "effects.jam_spot.place_mm": 2.0, "effects.jam_spot.width_mm": 1.5}
 
 
-@cache
+@shared_result
 def _made() -> str:
     """A whole result as text: gate, where and unknown of a record, with a ranking and steps as the search gives them."""
     model, record = reference_actuator(), measured(HIDDEN, 99, WIDE)
@@ -289,6 +289,7 @@ def test_every_picture_of_where_reaches_the_page() -> None:
     assert max(worst, key=diagnosis._unevenness).by in ("position", "time", "time since reversal")
 
 
+@pytest.mark.slow
 def test_long_names_and_missing_parts_do_not_break_the_page(tmp_path: Path) -> None:
     for key in ("gate", "where", "unknown", "steps", "curves", "provenance", "next_experiment", "sentence", "name", "effects"):
         for html in (page(tmp_path, made(**{key: ...}), identified()), page(tmp_path, made(**{key: ...}))):

@@ -266,6 +266,7 @@ def test_a_unit_that_does_not_scatter_at_all_is_compared_too() -> None:
     assert found.base({}).values["screw.csj_Nm"] == pytest.approx(0.138, rel=0.02)
 
 
+@pytest.mark.slow
 def test_signatures_take_what_is_stated() -> None:
     for scatter in ({"drive.supply_V": 0.01}, dict.fromkeys(FROM_RUN_TO_RUN, 0.0)):
         for day in (0.0, 1.0):
@@ -300,6 +301,7 @@ def diagnosed(actuator: Actuator) -> set[str]:
     return {one.name for one in diagnose(evidence).named if one.accepted}
 
 
+@pytest.mark.slow
 def test_a_diagnosis_names_no_change_that_the_unit_makes_from_run_to_run() -> None:
     assert diagnosed(reference_actuator()) == {"csj"}
     assert diagnosed(stating(screw__csj_Nm=0.05)) == set()

@@ -73,6 +73,7 @@ def test_physics_and_nothing_are_not(changes: dict[str, float]) -> None:
     assert suspected(run(9, **changes)) is None
 
 
+@pytest.mark.slow
 def test_the_answer_says_so_and_what_to_do() -> None:
     found = answer(reference_actuator(), replace(run(9), current_A=1.2 * np.asarray(run(9).current_A)), repeats())
     assert found.verdict == "unknown" and found.effects == ()

@@ -20,6 +20,7 @@ from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.identify import identify
 from ema_tools.tasks.onboard_search import SHARED_NOISE, run
 from ema_tools.tasks.own_machine import OwnMachine, own_machine
+from shared_results import shared_result
 
 ROWS, RUNS, RMS = 10_000, 3, 0.005
 
@@ -63,7 +64,7 @@ def runs(worn: bool, count: int, first: int) -> tuple[Record, ...]:
     return tuple(record_of(measured(unit, changes, "chirp", first + k), k) for k in range(count))
 
 
-@cache
+@shared_result
 def flown_machine() -> OwnMachine:
     """What its healthy runs make of it, whatever today is."""
     healthy = runs(False, 3, 700)

@@ -79,6 +79,7 @@ def test_two_runs_are_enough_and_one_is_none() -> None:
         HealthyFriction(np.zeros(3), np.zeros(3), np.zeros(3), (0.0, 0.003, 0.01), NOISE)
 
 
+@pytest.mark.slow
 def test_a_day_of_unknown_temperature_has_it_in_its_scatter() -> None:
     random = np.random.default_rng(43)
     held = []

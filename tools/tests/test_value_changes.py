@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -16,6 +15,7 @@ from ema_tools.data.motion_records import MotionRecord, read_motion_record, same
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_against, answer_by_balance, gates_of
 from ema_tools.words.sentences.balance import sentence
+from shared_results import shared_result
 
 PERIOD_S = 0.002
 INERTIA, VISCOUS, DRY, CONSTANT = 3e-4, 5e-4, 0.2, 0.5
@@ -74,7 +74,7 @@ def stated(folder: Path) -> Actuator:
     return read_actuator(path, complete=False)
 
 
-@cache
+@shared_result
 def healthy() -> HealthyByBalance:
     """The machine by five healthy records, once for all tests."""
     with TemporaryDirectory() as name:
@@ -89,6 +89,7 @@ def shares(found: BalanceAnswer) -> dict[str, float]:
     return {one.name: one.today / one.healthy - 1.0 for one in found.changed}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changed", "name", "share"),
     [
@@ -140,12 +141,14 @@ def test_a_motor_that_makes_less_torque_is_no_effect_beside_standing_ones(tmp_pa
     assert found.forces.given.training == pytest.approx(10.0, abs=2.0)
 
 
+@pytest.mark.slow
 def test_an_unchanged_machine_is_told_unchanged(tmp_path: Path, sheet: Actuator) -> None:
     found = answered(sheet, [record(tmp_path, seed) for seed in (60, 61, 62)])
     assert (found.verdict, shares(found)) == ("adequate", {})
     assert not found.untold
 
 
+@pytest.mark.slow
 def test_motion_that_the_healthy_records_do_not_tell_is_no_change(tmp_path: Path, sheet: Actuator) -> None:
     healthy = [record(tmp_path, seed, steady=True) for seed in range(5)]
     found = answer_by_balance(sheet, [record(tmp_path, seed) for seed in (70, 71, 72)], healthy=healthy)
@@ -166,12 +169,14 @@ def test_what_the_machine_has_anyhow_is_no_new_effect_when_it_grows(tmp_path: Pa
     assert found.last.training < 0.5 * found.forces.given.training
 
 
+@pytest.mark.slow
 def test_two_percent_of_friction_are_another_day_however_alike_few_records_are(tmp_path: Path, sheet: Actuator) -> None:
     healthy = [record(tmp_path, seed, scatter=0.0005) for seed in range(5)]
     found = answer_by_balance(sheet, [record(tmp_path, seed, scatter=0.0005, dry=1.02 * DRY) for seed in (50, 51)], healthy=healthy)
     assert (found.verdict, shares(found), found.untold) == ("adequate", {}, False)
 
 
+@pytest.mark.slow
 def test_what_is_nearest_is_told_where_too_few_records_tell_a_change(tmp_path: Path, sheet: Actuator) -> None:
     healthy = [record(tmp_path, seed, dry=share * DRY) for seed, share in enumerate((0.95, 1.0, 1.05))]
     found = answer_by_balance(sheet, [record(tmp_path, 50, dry=1.2 * DRY)], healthy=healthy)
@@ -204,6 +209,7 @@ def test_much_that_only_an_estimate_calls_chance_is_not_called_adequate(tmp_path
     assert "do not tell whether what is left is chance" in sentence(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("share", "little"), [(0.01, True), (0.05, False)])
 def test_what_every_lap_has_and_hardly_matters_is_said_and_asks_for_nothing(
     tmp_path: Path, sheet: Actuator, share: float, little: bool
@@ -224,6 +230,7 @@ def test_what_every_lap_has_and_hardly_matters_is_said_and_asks_for_nothing(
     assert ("less than 1 % of the drive, too little to ask for" in sentence(found)) is little
 
 
+@pytest.mark.slow
 def test_a_torque_per_current_that_no_magnet_makes_is_another_machines(tmp_path: Path, sheet: Actuator) -> None:
     found = answered(sheet, [record(tmp_path, seed, constant=2.6 * CONSTANT) for seed in (95, 96)])
     assert found.verdict == "unknown"

@@ -47,7 +47,9 @@ def test_stored_files_are_small() -> None:
 
 
 @pytest.mark.parametrize(("offset", "message"), [(-1, "trend_beyond_said differs"), (0, "whole_healthy differs")])
-def test_a_changed_number_is_refused(tmp_path: Path, offset: int, message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_changed_number_is_refused(
+    tmp_path: Path, offset: int, message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     for name in (tables.MANIFEST, tables.NUMBERS):
         shutil.copyfile(STORED / name, tmp_path / name)
     content = bytearray((tmp_path / tables.NUMBERS).read_bytes())
@@ -96,7 +98,9 @@ def test_manifest_names_every_case_with_its_tolerance_and_why() -> None:
             assert len(allowed["largest"]) == len(allowed["rms"]) == len(CHANNELS)
             assert all(rms <= largest for rms, largest in zip(allowed["rms"], allowed["largest"], strict=True))
             assert len(allowed["why"]) > 30
-        assert len(stored().rows[entry["name"]]) == -(-entry["steps"] // (entry["every_rows"] * entry.get("options", {}).get("timing.record_every_steps", 1)))
+        assert len(stored().rows[entry["name"]]) == -(
+            -entry["steps"] // (entry["every_rows"] * entry.get("options", {}).get("timing.record_every_steps", 1))
+        )
         assert {len(row) for row in stored().rows[entry["name"]]} == {len(CHANNELS)}
     for part in ("pid", "random", "trend"):
         assert manifest[part]["why"]

@@ -22,6 +22,7 @@ def said(days: Reals, values: Reals, std: float = 0.5, limit: float = 50.0) -> O
     return found
 
 
+@pytest.mark.slow
 def test_units_that_do_not_change_are_rarely_said_to() -> None:
     """Heavy-tailed scatter, a tenth more than it is said to be: of 300 units at a rate of 2 % no more than 12, which 300 at exactly 2 % exceed once in fifty."""
     found = 0

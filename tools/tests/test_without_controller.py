@@ -212,6 +212,7 @@ def test_another_healthy_record_is_accused_of_nothing(count: int) -> None:
     assert found.healthy.sure == (count > 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "usual"), [pytest.param(5, 0.0, marks=pytest.mark.release), (1, 0.05)])
 def test_what_the_actuator_states_of_runs_is_the_least_that_they_differ_by(count: int, usual: float) -> None:
     found = {}
@@ -255,6 +256,7 @@ def test_what_the_healthy_machine_has_anyhow_stands_and_is_not_named() -> None:
     assert (found.verdict, found.accepted, found.changed) == ("adequate", (), ())
 
 
+@pytest.mark.slow
 def test_healthy_records_by_the_command(folder: Path) -> None:
     (folder / "healthy").mkdir()
     for record in HEALTHY:

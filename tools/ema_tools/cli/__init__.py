@@ -454,7 +454,7 @@ def diagnose(
     _page(page, result, force)
     kept = fitted if found.recommended else None
     if kept:
-        found.actuator.write(kept, force)
+        found.machine.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
     if fitted and not kept:
@@ -618,7 +618,7 @@ def add(
     with progress("adding", 100) as bar:
         found = add_to_known(model, effect, measured, apart, tell) if known else work(model, effect, measured, repeats, apart, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
-    found.actuator.changed({}, {"source": said}).write(out, force)
+    found.machine.changed({}, {"source": said}).write(out, force)
     drawn, evidence = None, found.fit.view.evidence
     if json_path or page:
         drawn = curves(measured, before=simulated(evidence.actuator, measured), after=simulated(found.fitted, measured))

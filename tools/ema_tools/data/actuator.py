@@ -214,6 +214,10 @@ class Actuator:
         before = {effect.name for effect in load_definitions().effects if effect.site == "PARAMETER"}
         return tuple(name for name in self.active_effects if name not in before)
 
+    def keeping(self, healthy: Actuator, names: Iterable[str]) -> Actuator:
+        """The actuator with the values `names` that `healthy` has: CSJ and BLK of today are not written as those of the healthy machine."""
+        return self.changed({name: healthy[name] for name in names if healthy.has(name)})
+
     def changed(
         self, changes: Mapping[str, float], about: Mapping[str, str] | None = None, remarks: Mapping[str, str] | None = None
     ) -> Actuator:

@@ -66,9 +66,11 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Added:
-    """The model with the effect, what was fitted, and whether it is recommended; `actuator` is what `ema add` writes. `refitted`: the model held the effect before."""
+    """The model with the effect, what was fitted, and whether it is recommended; `actuator`: as the record shows the machine; `healthy`: the machine that CSJ and BLK are counted from;
+    `refitted`: the model held the effect before."""
 
     effect: str
+    healthy: Actuator
     actuator: Actuator
     fit: Fit
     errors: ErrorFall
@@ -81,6 +83,11 @@ class Added:
     def recommended(self) -> bool:
         """Whether to keep the effect."""
         return self.judgement.recommended
+
+    @property
+    def machine(self) -> Actuator:
+        """What `ema add` writes: `actuator` with CSJ and BLK of the healthy machine."""
+        return self.actuator.keeping(self.healthy, FAULTS.values())
 
     @property
     def fitted(self) -> Actuator:
@@ -120,6 +127,7 @@ def add(
     tell(1.0, "done")
     return Added(
         effect,
+        evidence.actuator,
         fitted_machine(evidence, fit).changed(own),
         fit,
         errors,
@@ -156,6 +164,7 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     tell(1.0, "done")
     return Added(
         effect,
+        actuator,
         actuator.changed(fit.of_effect(effect)),
         fit,
         errors,

@@ -90,6 +90,11 @@ class Answer:
         return self.verdict == "missing"
 
     @property
+    def machine(self) -> Actuator:
+        """What `--fitted` writes: `actuator` with CSJ and BLK of the healthy machine, as its repeats show them or, without repeats, as they were given."""
+        return self.actuator.keeping(self.evidence.actuator, FAULTS.values())
+
+    @property
     def fits(self) -> bool:
         """Whether anything was fitted to the record."""
         return self.diagnosis.fit is not None

@@ -23,6 +23,7 @@ from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, MotionRecord
 from ema_tools.fit.laps import laps_of
+from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.results.diagnosis import FloorFrom, Verdict
 from ema_tools.results.localisation import Pictures
@@ -130,6 +131,11 @@ class BalanceAnswer:
     def actuator(self) -> Actuator:
         """The model with every accepted effect and the base values refitted beside them."""
         return self.forces.actuator
+
+    @property
+    def machine(self) -> Actuator:
+        """What `--fitted` writes: beside healthy records with their CSJ and BLK, else with those of the records."""
+        return self.actuator if self.healthy is None else self.actuator.keeping(self.known, FAULTS.values())
 
     @property
     def changed(self) -> tuple[Change, ...]:

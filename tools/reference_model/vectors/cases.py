@@ -62,7 +62,9 @@ IN_MOTION = Tolerance(
 )
 SATURATED = IN_MOTION.scaled(2.0, "saturated", "the torque enters and leaves its limit inside a step, at a moment found to a part of it")
 STRETCHED = IN_MOTION.scaled(
-    2.0, "stretched", "the reversal of a contact that stretches is not located: the play sees the turning point to a part of an integration step"
+    2.0,
+    "stretched",
+    "the reversal of a contact that stretches is not located: the play sees the turning point to a part of an integration step",
 )
 TOUCHED = Tolerance(
     "touched",
@@ -172,7 +174,9 @@ _BLOCK_CASES: tuple[Case, ...] = (
             "control.speed_limit_m_s": 0.03,
             "control.average_speed": 1,
         },
-        tolerance32=ROUNDED32.scaled(3.0, "rounded32_5_mm", "rounding of float32 on a stroke of 5 mm, through a speed gain that makes 24 V of 0.1 m/s"),
+        tolerance32=ROUNDED32.scaled(
+            3.0, "rounded32_5_mm", "rounding of float32 on a stroke of 5 mm, through a speed gain that makes 24 V of 0.1 m/s"
+        ),
     ),
     # 2. controller and drive electronics
     Case("drive_voltage", "voltage mode at a low bus voltage", SHORT_CHIRP, 2_500, 10, {"drive.supply_V": 16.0}),
@@ -191,7 +195,9 @@ _BLOCK_CASES: tuple[Case, ...] = (
         500,
         2,
         {"drive.mode": 1, "drive.current_scale_A": 20.0, "drive.current_loop_s": 5e-4, "control.kd_s_per_m": 8.0},
-        tolerance32=ROUNDED32.scaled(12.0, "rounded32_10_mm", "rounding of float32 on a stroke of 10 mm, through a derivative gain of 160 A s/m over 1 ms"),
+        tolerance32=ROUNDED32.scaled(
+            12.0, "rounded32_10_mm", "rounding of float32 on a stroke of 10 mm, through a derivative gain of 160 A s/m over 1 ms"
+        ),
     ),
     Case(
         "drive_current_at_once",

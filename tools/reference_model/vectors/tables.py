@@ -44,10 +44,14 @@ def read(folder: Path) -> Stored:
         part = content[offset : offset + size]
         offset += size
         if hashlib.sha256(part).hexdigest() != shape["sha256"]:
-            raise ValueError(f"{folder / NUMBERS}: {name} differs from its hash in {MANIFEST}: run python -m reference_model.vectors {folder}")
+            raise ValueError(
+                f"{folder / NUMBERS}: {name} differs from its hash in {MANIFEST}: run python -m reference_model.vectors {folder}"
+            )
         rows[name] = list(struct.iter_unpack(f"<{shape['columns']}d", part))
     if offset != len(content):
-        raise ValueError(f"{folder / NUMBERS}: {len(content)} bytes, {offset} in {MANIFEST}: run python -m reference_model.vectors {folder}")
+        raise ValueError(
+            f"{folder / NUMBERS}: {len(content)} bytes, {offset} in {MANIFEST}: run python -m reference_model.vectors {folder}"
+        )
     return Stored(manifest, rows)
 
 

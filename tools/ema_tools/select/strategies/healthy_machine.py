@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ema_tools.base.arrays import Reals
+from ema_tools.data.actuator import row_of
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.refit import Fit
 from ema_tools.library.registry import record_of
@@ -53,7 +54,11 @@ class HealthyMachine(Strategy):
         local = record_of(effect).local
         if local is None or not local.spot:
             return False
-        return fit.values[f"effects.{effect}.{local.spot}"] > WIDEST_SPOT * float(np.ptp(self.evidence.record.command_mm))
+        width = f"effects.{effect}.{local.spot}"
+        # the width of an effect that the model held before is not fitted
+        return fit.values.get(width, self.evidence.actuator[row_of(width).name]) > WIDEST_SPOT * float(
+            np.ptp(self.evidence.record.command_mm)
+        )
 
     def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""

@@ -1,0 +1,60 @@
+"""The advised commands, one after the other: no file that they write takes today's wear for the healthy state."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.library.faults import FAULTS
+from support import REFERENCE, run_ema
+
+NOISE = "position_mm=0.002,current_A=0.03"
+WORN = ("--set", "effects.source_resistance.resistance_ohm=0.15", "--set", "screw.blk_mm=0.0528")  # BLK +60 %
+
+
+def recorded(folder: Path, name: str, seed: int, *changes: str, command: str = "chirp") -> str:
+    ran = run_ema("simulate", REFERENCE, "--command", command, "--noise", NOISE, "--seed", seed, *changes, "-o", folder / name)
+    assert ran.code == 0, ran.err
+    return str(folder / name)
+
+
+def test_a_model_keeps_the_healthy_csj_and_blk() -> None:
+    healthy = reference_actuator()
+    today = healthy.changed({"screw.csj_Nm": 0.2, "screw.blk_mm": 0.06, "effects.source_resistance.resistance_ohm": 0.15})
+    written = today.keeping(healthy, FAULTS.values())
+    assert {name: written[name] for name in FAULTS.values()} == {name: healthy[name] for name in FAULTS.values()}
+    assert written["source_resistance.resistance_ohm"] == 0.15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("baseline", [True, False], ids=["beside healthy records", "without"])
+def test_the_file_with_what_was_found_ends_at_the_true_wear(tmp_path: Path, baseline: bool) -> None:
+    today, found, answer = recorded(tmp_path, "today.csv", 9, *WORN), tmp_path / "found.toml", tmp_path / "answer.json"
+    healthy: list[str] = []
+    for seed, level in enumerate(("0.1371", "0.1375", "0.1373") if baseline else (), start=1):
+        healthy += ["--healthy", recorded(tmp_path, f"healthy_{seed}.csv", seed, "--set", f"screw.csj_Nm={level}")]
+    command = (
+        ("diagnose", REFERENCE, today, *healthy, "--fitted", found)
+        if baseline
+        else ("add", REFERENCE, "source_resistance", "--fit", today, "-o", found)
+    )
+    ran = run_ema(*command)
+    assert ran.code == 0, ran.err
+    assert read_actuator(str(found))["screw.blk_mm"] == pytest.approx(0.033, rel=0.01)
+    assert run_ema("identify", found, today, "--json", answer).code == 0
+    result = json.loads(answer.read_text(encoding="utf-8"))
+    assert result["verdict"] == "fault"
+    assert result["blk_mm"]["shift_percent"] == pytest.approx(60.0, abs=2.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["diagnose", "identify"])
+def test_a_spot_in_the_model_stands_beside_healthy_records(tmp_path: Path, command: str) -> None:
+    spot = {"effects.jam_spot.amplitude_Nm": 0.08, "effects.jam_spot.place_mm": 0.5, "effects.jam_spot.width_mm": 0.3}
+    reference_actuator().changed(spot).write(str(tmp_path / "spot.toml"), False)
+    healthy = [word for seed in (1, 2) for word in ("--healthy", recorded(tmp_path, f"healthy_{seed}.csv", seed))]
+    ran = run_ema(command, tmp_path / "spot.toml", recorded(tmp_path, "today.csv", 9), *healthy)
+    assert ran.code == 0, ran.err
