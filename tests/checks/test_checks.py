@@ -224,6 +224,13 @@ class Words(Tree):
                 self.assertTrue(problems[0].startswith(f"src/base/ema_x.c:2: `{word}`"), problems[0])
         self.assertEqual(self.exit_code("check_words.py", "--root", str(self.root)), 1)
 
+    def test_compiler_header(self) -> None:
+        """One header may use an attribute, no other extension."""
+        self.write("src/base/ema_compiler.h", "#define EMA_NOINLINE __attribute__((noinline))\n")
+        self.assertEqual(self.module("int x;\n"), [])
+        self.write("src/base/ema_compiler.h", "__asm__(x);\n")
+        self.assertEqual(len(self.module("int x;\n")), 1)
+
     def test_float32_branch(self) -> None:
         """The branch that the float32 build sees, and what follows it, is read."""
         self.assertEqual(len(self.module("#if EMA_REAL64\n#else\ndouble x;\n#endif\n")), 1)
