@@ -42,11 +42,11 @@
 #define EMA_LEAST_SQUARES_H
 
 #include "ema/detail/ema_annealer.h"
-#include "ema/detail/ema_cursor.h"
 #include "ema/detail/ema_levmar.h"
 #include "ema/detail/ema_objective.h"
 #include "ema/detail/ema_sensitivity.h"
 #include "ema/ema_model.h"
+#include "ema/ema_record.h"
 
 #ifdef __cplusplus
 extern "C" {

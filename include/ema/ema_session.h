@@ -14,7 +14,6 @@
 #define EMA_SESSION_H
 
 #include "ema/detail/ema_annealer.h"
-#include "ema/detail/ema_annealer_check.h"
 #include "ema/detail/ema_objective.h"
 #include "ema/detail/ema_onboard.h"
 #include "ema/detail/ema_sensitivity.h"

@@ -1,11 +1,9 @@
 /* The module's equations at the points of a record, through the functions that the model itself calls. */
 #include "blocks/ema_drive.h"
 #include "blocks/ema_encoder.h"
-#include "blocks/ema_gearbox.h"
 #include "blocks/ema_limits.h"
-#include "blocks/ema_motor.h"
+#include "blocks/ema_mechanics.h"
 #include "blocks/ema_pid.h"
-#include "blocks/ema_screw.h"
 #include "effects/ema_effect_sums.h"
 #include "ema_desk.h"
 #include "ema_desk_actuator.h"

@@ -1,5 +1,5 @@
 /* Where optional effects act. Declared and dispatched from the rows of ema_effects.def alone: a new effect is one row
- * and one file with the function of its site.
+ * and one function of its site.
  */
 #ifndef EMA_EFFECT_SITES_H
 #define EMA_EFFECT_SITES_H
@@ -11,7 +11,7 @@
 #include "effects/ema_site.h"
 #include "ema/detail/ema_step_scratch.h"
 
-/* The function that an effect's file supplies, by site. */
+/* The function that an effect supplies, by site. */
 #define EMA_EFFECT_AT_PARAMETER(name)                                                                                  \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);
 #define EMA_EFFECT_AT_FRICTION(name)                                                                                   \

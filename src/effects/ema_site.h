@@ -24,4 +24,7 @@ typedef struct {
     ema_real lead_mm_per_rad;
 } ema_transmission_t;
 
+/* Growth of copper's resistance, per degC: IEC 60028. */
+#define EMA_COPPER_PER_DEGC EMA_R(0.00393)
+
 #endif

@@ -8,7 +8,7 @@
 #ifndef EMA_CURSOR_STEP_H
 #define EMA_CURSOR_STEP_H
 
-#include "ema/detail/ema_cursor.h"
+#include "ema/ema_record.h"
 #include "ident/ema_record_row.h"
 
 /* To the first step of a run of `actuator`, which passes all rows of the record. */

@@ -2,7 +2,7 @@
 
 #include "base/ema_math.h"
 #include "ident/ema_cursor_step.h"
-#include "plant/ema_tick.h"
+#include "plant/ema_run.h"
 
 ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record,
                                  const ema_real weight[EMA_CHANNEL_COUNT], ema_real start_mm, ema_real limit)

@@ -6,9 +6,8 @@
 #include "base/ema_math.h"
 #include "ident/ema_cursor_step.h"
 #include "ident/ema_residual.h"
-#include "ident/ema_sensitivity_begin.h"
-#include "plant/ema_prepare.h"
-#include "plant/ema_tick.h"
+#include "ident/ema_run_begin.h"
+#include "plant/ema_run.h"
 
 ema_status_t ema_sensitivity_begin(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record,
                                    const ema_real weight[EMA_CHANNEL_COUNT], uint32_t count)

@@ -1,10 +1,9 @@
-#include "plant/ema_tick.h"
+#include "plant/ema_run.h"
 
 #include "blocks/ema_drive.h"
 #include "blocks/ema_encoder.h"
 #include "blocks/ema_pid.h"
 #include "effects/ema_effect_sites.h"
-#include "plant/ema_delayed.h"
 #include "plant/ema_motion.h"
 
 void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real command_mm,

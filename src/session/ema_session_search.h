@@ -20,4 +20,11 @@ ema_status_t ema_session_search_begin(ema_session_t* session);
 /* A model run has ended: its cost goes to the annealer, and the next run begins unless the search has ended. */
 ema_status_t ema_session_search_next(ema_session_t* session);
 
+/* The search has ended: these runs are next. An estimate beside which no model can be made is left without them, and
+ * the session is done: its result says that the record does not determine the parameters. */
+void ema_assess_start(ema_session_t* session);
+
+/* Makes the next of their models: each takes as long as a slice may. */
+void ema_assess_model(ema_session_t* session);
+
 #endif

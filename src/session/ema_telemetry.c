@@ -2,7 +2,6 @@
 
 #include "base/ema_bytes.h"
 #include "base/ema_copy.h"
-#include "base/ema_crc.h"
 
 /* "EMAT". */
 #define EMA_TELEMETRY_MARK 0x54414D45U

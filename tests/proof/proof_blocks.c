@@ -9,13 +9,11 @@
 
 #include "blocks/ema_drive.h"
 #include "blocks/ema_encoder.h"
-#include "blocks/ema_gearbox.h"
-#include "blocks/ema_motor.h"
+#include "blocks/ema_mechanics.h"
 #include "blocks/ema_pid.h"
-#include "blocks/ema_screw.h"
 #include "effects/ema_effect_sites.h"
 #include "effects/ema_table.h"
-#include "plant/ema_forces.h"
+#include "plant/ema_motion.h"
 
 #define EMA_BOX_CURRENT_A 1.0e8f
 #define EMA_BOX_SPEED_RAD_S 1.0e8f

@@ -1,7 +1,7 @@
 /* What happens in a span, on the bounds themselves: where rounding has put the current or the speed on the bound or
  * just beyond it. */
 #include "ema_rig.h"
-#include "plant/ema_events.h"
+#include "plant/ema_motion_events.h"
 
 #define KT 0.0612
 #define R_OHM 0.99

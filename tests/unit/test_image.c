@@ -2,7 +2,7 @@
  * with its reason, and nothing of it is used. */
 #include "ema/ema.h"
 
-#include "base/ema_crc.h"
+#include "base/ema_bytes.h"
 #include "ema_image_rig.h"
 #include "ema_signature_rig.h"
 #include "session/ema_image_layout.h"

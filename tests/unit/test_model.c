@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "ema_rig.h"
-#include "plant/ema_prepare.h"
+#include "plant/ema_run.h"
 
 static ema_actuator_t actuator;
 

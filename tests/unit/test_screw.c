@@ -1,8 +1,7 @@
 /* Ball screw: the play's kinematics, and which way a shaft at rest goes. */
 #include <math.h>
 
-#include "blocks/ema_gearbox.h"
-#include "blocks/ema_screw.h"
+#include "blocks/ema_mechanics.h"
 #include "ema_rig.h"
 
 static ema_actuator_t actuator;

@@ -5,8 +5,8 @@
 #include <math.h>
 
 #include "ema_close.h"
-#include "trend/ema_ahead.h"
 #include "trend/ema_first_passage.h"
+#include "trend/ema_forecast.h"
 #include "trend/ema_law.h"
 #include "trend/ema_wear_filter.h"
 

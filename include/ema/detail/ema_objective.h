@@ -8,8 +8,8 @@
 #ifndef EMA_OBJECTIVE_H
 #define EMA_OBJECTIVE_H
 
-#include "ema/detail/ema_cursor.h"
 #include "ema/ema_model.h"
+#include "ema/ema_record.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -15,8 +15,8 @@
 #ifndef EMA_ONBOARD_H
 #define EMA_ONBOARD_H
 
-#include "ema/detail/ema_cursor.h"
 #include "ema/ema_model.h"
+#include "ema/ema_record.h"
 
 #ifdef __cplusplus
 extern "C" {
