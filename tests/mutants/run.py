@@ -133,7 +133,7 @@ class Tree:
 
     def c_test(self, name: str) -> str:
         """What fails in a C test; empty where it passes. Raises MutantError."""
-        if not self.make(name):
+        if not self.make(f"ema_tests_{name.rpartition('_')[2]}"):
             raise MutantError(f"{name} does not compile: correct `new` in mutants.toml")
         code, output = run(["ctest", "-R", f"^{name}$", "--no-tests=error", "--output-on-failure"], self.build)
         failed = FAILED_C.search(output)
