@@ -14,14 +14,14 @@ foreach(bits 32 64)
     add_library(ema_desk${bits} SHARED ${ema_desk_sources} ${ema_csv_sources})
     ema_compile(ema_desk${bits})
     # The tools ask the module's own equations, block by block.
-    target_include_directories(ema_desk${bits} PRIVATE port/host ${EMA_SOURCE_DIRS})
+    target_include_directories(ema_desk${bits} PRIVATE port/host "${EMA_SOURCE_DIR}")
     target_link_libraries(ema_desk${bits} PRIVATE ${module})
 
     # A desk simulates a thousand runs for one answer: in one piece, so that the compiler sees through the calls of a model step. Files of one's own stay apart, as their names are.
     if(CMAKE_BUILD_TYPE STREQUAL "Release")
         add_library(ema_desk_module${bits} OBJECT ${EMA_SOURCES} ${EMA_OWN_SOURCES})
         ema_compile(ema_desk_module${bits})
-        target_include_directories(ema_desk_module${bits} PRIVATE ${EMA_SOURCE_DIRS})
+        target_include_directories(ema_desk_module${bits} PRIVATE "${EMA_SOURCE_DIR}")
         target_compile_definitions(ema_desk_module${bits} PRIVATE ${EMA_EFFECT_DEFINITIONS})
         target_link_libraries(ema_desk_module${bits} PRIVATE ${module})
         set_target_properties(ema_desk_module${bits} PROPERTIES

@@ -18,7 +18,7 @@ foreach(target IN LISTS ema_libraries)
     ema_compile(${target})
     target_include_directories(${target}
         PUBLIC "$<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
-        PRIVATE ${EMA_SOURCE_DIRS})
+        PRIVATE "${EMA_SOURCE_DIR}")
     target_compile_definitions(${target} PRIVATE ${EMA_EFFECT_DEFINITIONS} ${EMA_CHOICE_DEFINITIONS} PUBLIC ${EMA_SCHEMA_DEFINITIONS})
     # The desktop libraries contain these objects, and show only their own functions.
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ${ema_relocatable} C_VISIBILITY_PRESET hidden)

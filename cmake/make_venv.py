@@ -1,13 +1,15 @@
-"""Makes the Python environment of the build folder from a lock file, or finds it ready and does nothing.
+"""Makes the Python environment of the build folder from lock files, or finds it ready and does nothing.
 
 Called by the build with the machine's own Python, so it uses the standard library alone. The machine's own pip
-configuration decides where packages come from.
+configuration decides where packages come from. The machine's own pip installs them if it can, since a pip for the
+environment costs seconds that nothing else needs.
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import importlib.metadata
 import os
 import shutil
 import subprocess
@@ -15,7 +17,7 @@ import sys
 import time
 from pathlib import Path
 
-WHAT = {"run": "the tools", "test": "their tests", "check": "their checks", "package": "the packages' checks"}
+WHAT = {"run": "the tools", "fleet": "clusters", "test": "their tests", "check": "their checks", "package": "the packages' checks"}
 
 
 def fingerprint(locks: list[Path], package: Path) -> str:
@@ -39,6 +41,22 @@ def last_error(log: Path) -> str:
     return (errors or lines or ["no output"])[-1].removeprefix("ERROR: ")
 
 
+def pip_of(python: Path) -> list[str]:
+    """The command of pip for the environment of `python`: its own, else the machine's."""
+    if (python.parent / "pip").exists():
+        return [str(python), "-I", "-m", "pip"]
+    return [sys.executable, "-P", "-m", "pip", "--python", str(python)]
+
+
+def machine_has_pip() -> bool:
+    """Whether the machine's pip installs into other environments, which it does from version 22.3 on."""
+    try:
+        major, minor, *_ = importlib.metadata.version("pip").split(".")
+        return (int(major), int(minor)) >= (22, 3)
+    except (importlib.metadata.PackageNotFoundError, ValueError):
+        return False
+
+
 def link_package(venv_python: Path, package: Path) -> None:
     """Put the folder of the package on the path, relative, so that sources are used in place and the tree may move."""
     query = [str(venv_python), "-I", "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
@@ -50,9 +68,9 @@ def main() -> int:
     """Entry point; 0 when the environment stands."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--venv", type=Path, required=True)
-    parser.add_argument("--lock", type=Path, required=True)
+    parser.add_argument("--lock", type=Path, required=True, action="append", help="file of packages; may be given several times")
     parser.add_argument(
-        "--versions", type=Path, help="another lock, which has the versions of the packages that the first names without one"
+        "--versions", type=Path, help="another lock, which has the versions of the packages that the others name without one"
     )
     parser.add_argument("--package", type=Path, required=True)
     parser.add_argument("--stamp", type=Path, required=True)
@@ -60,8 +78,8 @@ def main() -> int:
     arguments = parser.parse_args()
     venv: Path = arguments.venv
     python = venv / "bin" / "python"
-    locks = [arguments.lock] if arguments.versions is None else [arguments.lock, arguments.versions]
-    wanted = fingerprint(locks, arguments.package)
+    locks: list[Path] = arguments.lock
+    wanted = fingerprint(locks if arguments.versions is None else [*locks, arguments.versions], arguments.package)
     stamp: Path = arguments.stamp
 
     if python.exists() and stamp.exists() and stamp.read_text(encoding="utf-8") == wanted:
@@ -71,45 +89,36 @@ def main() -> int:
     log = venv.parent / f"venv-{arguments.kind}.log"
     log.unlink(missing_ok=True)
     start = time.monotonic()
-    count = sum(1 for line in arguments.lock.read_text(encoding="utf-8").splitlines() if line and not line.startswith(("#", "-")))
+    lines = [line for lock in locks for line in lock.read_text(encoding="utf-8").splitlines()]
+    count = sum(1 for line in lines if line and not line.startswith(("#", "-")))
     what = WHAT[arguments.kind]
     print(f"Python packages of {what}: installing {count} into {venv.name}, once ...", flush=True)
-    if arguments.kind != "test":
+    if arguments.kind not in ("fleet", "test"):
         shutil.rmtree(venv, ignore_errors=True)
-        if not quiet_run([sys.executable, "-m", "venv", str(venv)], log):
+        # The checks of the packages build wheels, with the pip of their environment.
+        without = ["--without-pip"] if arguments.kind != "package" and machine_has_pip() else []
+        if not quiet_run([sys.executable, "-m", "venv", *without, str(venv)], log):
             print(
                 f"error: no virtual environment could be made: {last_error(log)}: install the package python3-venv; details in {log}",
                 file=sys.stderr,
             )
             return 1
     # The lock is complete, so pip need not resolve; wheels only, so a missing one is said at once.
-    install = [
-        str(python),
-        "-I",
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--no-input",
-        "--no-deps",
-        "--no-compile",
-        "--disable-pip-version-check",
-        "--only-binary",
-        ":all:",
-        "--requirement",
-        str(arguments.lock),
-    ]
+    install = [*pip_of(python), "install", "--quiet", "--no-input", "--no-deps", "--no-compile", "--disable-pip-version-check"]
+    install += ["--only-binary", ":all:"]
+    for lock in locks:
+        install += ["--requirement", str(lock)]
     if arguments.versions is not None:
         install += ["--constraint", str(arguments.versions)]
     if not quiet_run(install, log):
         print(
-            f"error: {arguments.lock.name}: {last_error(log)}: check the network and pip's configuration,"
+            f"error: {', '.join(lock.name for lock in locks)}: {last_error(log)}: check the network and pip's configuration,"
             f" then run the same command again; details in {log}",
             file=sys.stderr,
         )
         return 1
     # Checks read the sources where they lie, and those of the packages must not find them.
-    if arguments.kind in ("run", "test"):
+    if arguments.kind == "run":
         link_package(python, arguments.package)
     stamp.write_text(wanted, encoding="utf-8")
     print(f"Python packages of {what}: ready after {time.monotonic() - start:.0f} s", flush=True)

@@ -9,9 +9,7 @@
 #ifndef ACE_H
 #define ACE_H
 
-#include "ema/ema_guarded.h"
-#include "ema/ema_selftest.h"
-#include "ema/ema_telemetry.h"
+#include "ema/ema.h"
 
 #define ACE_TICK_HZ 1000U
 #define ACE_ROWS 10000U

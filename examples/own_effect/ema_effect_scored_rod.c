@@ -1,6 +1,6 @@
 /* A scored rod: the seal drags on the scored length that is drawn in, in both directions of motion. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_scored_rod(const ema_effect_scored_rod_t* effect, const ema_site_t* site, ema_real level_Nm)
 {

@@ -10,8 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "ema/ema_real.h"
-#include "ema/ema_status.h"
+#include "ema/detail/ema_real.h"
+#include "ema/detail/ema_status.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -8,8 +8,8 @@
 
 #include <stdint.h>
 
-#include "ema/ema_real.h"
-#include "ema/ema_status.h"
+#include "ema/detail/ema_real.h"
+#include "ema/detail/ema_status.h"
 
 #ifdef __cplusplus
 extern "C" {

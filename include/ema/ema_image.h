@@ -14,8 +14,8 @@
 #ifndef EMA_IMAGE_H
 #define EMA_IMAGE_H
 
-#include "ema/ema_onboard.h"
-#include "ema/ema_schema.h"
+#include "ema/detail/ema_onboard.h"
+#include "ema/detail/ema_schema.h"
 
 #ifdef __cplusplus
 extern "C" {

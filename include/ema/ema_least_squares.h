@@ -41,12 +41,12 @@
 #ifndef EMA_LEAST_SQUARES_H
 #define EMA_LEAST_SQUARES_H
 
-#include "ema/ema_annealer.h"
-#include "ema/ema_cursor.h"
-#include "ema/ema_damped.h"
+#include "ema/detail/ema_annealer.h"
+#include "ema/detail/ema_levmar.h"
+#include "ema/detail/ema_objective.h"
+#include "ema/detail/ema_sensitivity.h"
 #include "ema/ema_model.h"
-#include "ema/ema_objective.h"
-#include "ema/ema_sensitivity.h"
+#include "ema/ema_record.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -124,8 +124,8 @@ typedef struct {
     ema_real x[EMA_LEAST_SQUARES_MAX]; /* in the unit box */
     ema_real square;                   /* S, and what its sum lost */
     ema_real square_low;
-    ema_real normal[EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* J'J, a triangle, per unit of x */
-    ema_real part[EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* of J'J, over the last rows: a long sum loses digits */
+    ema_real normal[EMA_LEVMAR_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* J'J, a triangle, per unit of x */
+    ema_real part[EMA_LEVMAR_TRIANGLE(EMA_LEAST_SQUARES_MAX)]; /* of J'J, over the last rows: a long sum loses digits */
     ema_real gradient[EMA_LEAST_SQUARES_MAX];                  /* J'r, and what its sums lost */
     ema_real gradient_low[EMA_LEAST_SQUARES_MAX];
     ema_residual_t residual;
@@ -163,13 +163,13 @@ typedef struct {
     ema_real reach[EMA_LEAST_SQUARES_MAX]; /* how far each run beside the present one is moved, in the unit box */
     ema_real
         delta[EMA_LEAST_SQUARES_MAX]; /* of the runs beside the present one, in the unit box; 0: none was possible */
-    ema_damped_t solver;
+    ema_levmar_t solver;
     ema_squares_point_t present;
     ema_squares_point_t best;
     ema_actuator_t actuator; /* with the values of the run that is prepared */
     ema_real command_mm;     /* of the present model step, for all runs */
     ema_output_t row_output[1U + EMA_LEAST_SQUARES_MAX];
-    ema_work_t work; /* one for all of them */
+    ema_step_scratch_t work; /* one for all of them */
     ema_state_t state[1U + EMA_LEAST_SQUARES_MAX];
     ema_plant_t plant[1U + EMA_LEAST_SQUARES_MAX];
 } ema_least_squares_t;

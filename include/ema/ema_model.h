@@ -8,7 +8,7 @@
 #ifndef EMA_MODEL_H
 #define EMA_MODEL_H
 
-#include "ema/ema_work.h"
+#include "ema/detail/ema_step_scratch.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,7 +17,7 @@ extern "C" {
 typedef struct {
     ema_plant_t plant;
     ema_state_t state;
-    ema_work_t work; /* means nothing between two steps */
+    ema_step_scratch_t work; /* means nothing between two steps */
 } ema_model_t;
 
 /* Prepares the model of `actuator` with rod and motor at `start_mm`, at rest, the play centred. The actuator is copied

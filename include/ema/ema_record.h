@@ -10,9 +10,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ema/detail/ema_real.h"
+#include "ema/detail/ema_status.h"
 #include "ema/ema_command.h"
-#include "ema/ema_real.h"
-#include "ema/ema_status.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -84,6 +84,19 @@ ema_status_t ema_record_adopt(ema_record_t* record, uint32_t rows);
 /* Reads row `row`; channels that are not kept read zero. With a command that is a function, command_mm is its value at
  * model step row * every_steps. Errors: EMA_ERR_NULL; EMA_ERR_RANGE. Cost: constant. */
 ema_status_t ema_record_read(const ema_record_t* record, uint32_t row, uint32_t every_steps, ema_sample_t* sample);
+
+/* Where runs of a model stand beside a record.
+ *
+ * A plain structure: a copy is a checkpoint. The record's address is read at every step, so a copy may be given another
+ * place of the same record.
+ */
+typedef struct {
+    const ema_record_t* record;
+    uint32_t every_steps; /* model steps between two rows */
+    uint32_t rows;        /* after which the runs end */
+    uint32_t row;
+    uint32_t step_in_row; /* 0: the present model step shows the row */
+} ema_cursor_t;
 
 #ifdef __cplusplus
 }

@@ -10,9 +10,9 @@
 #ifndef EMA_TELEMETRY_H
 #define EMA_TELEMETRY_H
 
+#include "ema/detail/ema_version.h"
 #include "ema/ema_image.h"
 #include "ema/ema_session.h"
-#include "ema/ema_version.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 #ifdef __cplusplus
 extern "C" {

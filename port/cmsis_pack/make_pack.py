@@ -52,8 +52,7 @@ def description(root: Path, version: str, what: str) -> bytes:
     add(component, "description", f"{what}. Compile with {MISC}.")
     files = add(component, "files")
     add(files, "file", category="include", name="include/")
-    for folder in sorted(path for path in (root / "src").iterdir() if path.is_dir()):
-        add(files, "file", category="include", name=f"{folder.relative_to(root).as_posix()}/", scope="private")
+    add(files, "file", category="include", name="src/", scope="private")
     for source in sorted((root / "src").glob("*/*.c")):
         add(files, "file", category="sourceC", name=source.relative_to(root).as_posix())
     ElementTree.indent(package)

@@ -2,9 +2,7 @@
 
 #include <stdlib.h>
 
-#include "ema/ema_guarded.h"
-#include "ema/ema_schema.h"
-#include "ema/ema_version.h"
+#include "ema/ema.h"
 #include "ema_desk_actuator.h"
 #include "ema_desk_record.h"
 

@@ -1,14 +1,12 @@
 /* The module's equations at the points of a record, through the functions that the model itself calls. */
+#include "blocks/ema_drive.h"
+#include "blocks/ema_encoder.h"
+#include "blocks/ema_limits.h"
+#include "blocks/ema_mechanics.h"
+#include "blocks/ema_pid.h"
+#include "effects/ema_effect_sums.h"
 #include "ema_desk.h"
 #include "ema_desk_actuator.h"
-#include "ema_drive.h"
-#include "ema_effect_sums.h"
-#include "ema_encoder.h"
-#include "ema_gearbox.h"
-#include "ema_limits.h"
-#include "ema_motor.h"
-#include "ema_pid.h"
-#include "ema_screw.h"
 
 /* The blocks of an actuator, without the circuits' responses: nothing here moves. The actuator gets its adjusted
  * parameters, and keeps the tables. */

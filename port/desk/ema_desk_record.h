@@ -2,7 +2,7 @@
 #ifndef EMA_DESK_RECORD_H
 #define EMA_DESK_RECORD_H
 
-#include "ema/ema_record.h"
+#include "ema/ema.h"
 
 /* Row `row` of the arrays. */
 ema_sample_t ema_sample_from(const double* command_mm, const double* channels, int32_t row);

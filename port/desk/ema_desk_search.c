@@ -2,7 +2,7 @@
  * objective; and its check of a search's settings. */
 #include "ema_desk.h"
 
-#include "ema/ema_annealer_check.h"
+#include "ema/ema.h"
 
 _Static_assert(EMA_DESK_DIMENSION_MAX == EMA_ANNEALER_DIMENSION_MAX, "the desk's arrays hold the annealer's");
 

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "ema/ema_least_squares.h"
+#include "ema/ema.h"
 #include "ema_desk_actuator.h"
 #include "ema_desk_record.h"
 

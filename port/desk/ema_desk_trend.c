@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-#include "ema/ema_trend.h"
+#include "ema/ema.h"
 
 #define EMA_DESK_TREND_IDENTITY 1U
 

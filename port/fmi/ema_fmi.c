@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ema/ema_model.h"
+#include "ema/ema.h"
 #include "ema_fmi_list.h"
 #include <fmi3Functions.h>
 

@@ -3,7 +3,7 @@
 #ifndef EMA_FMI_LIST_H
 #define EMA_FMI_LIST_H
 
-#include "ema/ema_actuator.h"
+#include "ema/ema.h"
 
 /* 1: the plant alone, its input the drive's output as a share of the full one; 0: with the controller, its input the
  * commanded position in mm. */

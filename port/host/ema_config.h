@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "ema/ema_actuator.h"
+#include "ema/ema.h"
 
 /* Reads and checks the actuator in the file at `path`. False when that fails, with one line in `message` that names
  * file, row and value. */

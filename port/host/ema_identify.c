@@ -8,7 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_config.h"
 #include "ema_csv.h"
 #include "ema_options.h"

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 /* Everything that is told about one identification. */
 typedef struct {

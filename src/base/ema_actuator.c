@@ -1,9 +1,12 @@
 /* Ranges and access by index, read from the two lists. */
-#include "ema_bounds.h"
+#include <stddef.h>
 
-#include "ema_choice.h"
-#include "ema_effect_rows.h"
-#include "ema_math.h"
+#include "base/ema_bounds.h"
+#include "base/ema_bytes.h"
+#include "base/ema_choice.h"
+#include "base/ema_effect_rows.h"
+#include "base/ema_math.h"
+#include "ema/ema_actuator.h"
 
 /* Rows of bounds that a learned table has: gain, axis, first, last, and one for its nodes, which are all alike. */
 #define EMA_TABLE_BOUNDS 5U
@@ -265,4 +268,74 @@ ema_status_t ema_actuator_set(ema_actuator_t* actuator, ema_value_id_t id, ema_r
     unsigned char* const first = (unsigned char*)actuator;
     *(ema_real*)(void*)&first[ema_value_offset(id)] = value; /* EMA-D4 */
     return EMA_OK;
+}
+
+const ema_effect_row_t ema_effect_rows[EMA_EFFECT_COUNT] = {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters)                            \
+    {(uint8_t)(sizeof(ema_effect_##name##_t) / sizeof(ema_real)), (uint8_t)EMA_SITE_##site, (substeps##U),             \
+     (EMA_HAS_##name != 0)},
+#include "ema/ema_effects.def"
+};
+
+static const ema_range_t ema_ranges[] = {
+#define EMA_PARAM(section, field, nominal, lower, upper, text) {EMA_R(nominal), EMA_R(lower), EMA_R(upper)},
+#include "ema/ema_params.def"
+#define EMA_P(field, nominal, lower, upper, text) {EMA_R(nominal), EMA_R(lower), EMA_R(upper)},
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) parameters
+#include "ema/ema_effects.def"
+#define EMA_OPTION(section, field, nominal, lower, upper, choices, text)                                               \
+    {(ema_real)(nominal), (ema_real)(lower), (ema_real)(upper)},
+#include "ema/ema_params.def"
+};
+
+#define EMA_RANGE_COUNT (sizeof(ema_ranges) / sizeof(ema_ranges[0]))
+
+_Static_assert(EMA_RANGE_COUNT == (EMA_VALUE_COUNT + EMA_OPTION_COUNT), "one range per value and option");
+
+const ema_range_t* ema_actuator_range(size_t id)
+{
+    return (id < EMA_RANGE_COUNT) ? &ema_ranges[id] : NULL;
+}
+
+ema_status_t ema_actuator_defaults(ema_actuator_t* actuator)
+{
+    if (actuator == NULL) {
+        return EMA_ERR_NULL;
+    }
+    for (size_t id = 0; id < EMA_VALUE_COUNT; ++id) {
+        (void)ema_actuator_set(actuator, (ema_value_id_t)id, ema_ranges[id].nominal);
+    }
+    int32_t* const option = (int32_t*)(void*)&actuator->options; /* EMA-D4 */
+    for (size_t index = 0; index < EMA_OPTION_COUNT; ++index) {
+        option[index] = (int32_t)ema_ranges[EMA_VALUE_COUNT + index].nominal;
+    }
+    return EMA_OK;
+}
+
+static uint32_t ema_identity_reals(uint32_t crc, const ema_real* value, size_t count)
+{
+    uint32_t found = crc;
+    for (size_t k = 0; k < count; ++k) {
+        uint8_t bytes[4];
+        ema_put_real(bytes, value[k]);
+        found = ema_crc32(found, bytes, sizeof bytes);
+    }
+    return found;
+}
+
+uint32_t ema_actuator_identity(const ema_actuator_t* actuator)
+{
+    if (actuator == NULL) {
+        return 0U;
+    }
+    const int32_t* const option = (const int32_t*)(const void*)&actuator->options; /* EMA-D4 */
+    uint32_t crc =
+        ema_identity_reals(0U, (const ema_real*)(const void*)&actuator->params, EMA_PARAM_COUNT); /* EMA-D4 */
+    for (size_t k = 0; k < EMA_OPTION_COUNT; ++k) {
+        uint8_t bytes[4];
+        ema_put_u32(bytes, (uint32_t)option[k]);
+        crc = ema_crc32(crc, bytes, sizeof bytes);
+    }
+    return ema_identity_reals(crc, (const ema_real*)(const void*)&actuator->effects,
+                              EMA_EFFECT_VALUE_COUNT); /* EMA-D4 */
 }

@@ -5,7 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
+#include <stddef.h>
 
 static inline uint32_t ema_get_u16(const uint8_t* from)
 {
@@ -55,5 +56,8 @@ static inline void ema_put_real(uint8_t* to, ema_real value)
     (void)memcpy(&word, &single, sizeof word); /* EMA-D3 */
     ema_put_u32(to, word);
 }
+
+/* Of `length` bytes behind those whose checksum `crc` is; 0 before the first. Cost: some ten instructions a byte. */
+uint32_t ema_crc32(uint32_t crc, const uint8_t* bytes, size_t length);
 
 #endif

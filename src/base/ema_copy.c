@@ -1,4 +1,4 @@
-#include "ema_copy.h"
+#include "base/ema_copy.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-#include "ema/ema_plant.h"
+#include "ema/detail/ema_plant.h"
 
 #ifndef EMA_EFFECTS_CHOSEN
 #define EMA_EFFECTS_CHOSEN 0

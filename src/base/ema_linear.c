@@ -1,6 +1,6 @@
-#include "ema_linear.h"
+#include "base/ema_linear.h"
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 bool ema_cholesky(ema_real* matrix, uint32_t size)
 {

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* A pivot below this share of its diagonal means that the matrix is singular for our purpose. */
 #define EMA_PIVOT_SHARE EMA_R(1.0e-5)

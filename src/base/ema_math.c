@@ -1,4 +1,4 @@
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 #include <float.h>
 #include <string.h>

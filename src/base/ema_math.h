@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* One turn in rad. */
 #define EMA_TURN_RAD EMA_R(6.283185307179586)

@@ -1,4 +1,4 @@
-#include "ema/ema_random.h"
+#include "ema/detail/ema_random.h"
 
 #define EMA_PCG_MULTIPLIER UINT64_C(6364136223846793005)
 

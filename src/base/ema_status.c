@@ -1,4 +1,4 @@
-#include "ema/ema_status.h"
+#include "ema/detail/ema_status.h"
 
 const char* ema_status_text(ema_status_t status)
 {

@@ -1,6 +1,6 @@
-#include "ema_drive.h"
+#include "blocks/ema_drive.h"
 
-#include "ema_limits.h"
+#include "blocks/ema_limits.h"
 
 void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema_options_t* options)
 {

@@ -2,9 +2,9 @@
 #ifndef EMA_DRIVE_H
 #define EMA_DRIVE_H
 
-#include "ema/ema_work.h"
-#include "ema_choice.h"
-#include "ema_math.h"
+#include "base/ema_choice.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_step_scratch.h"
 
 void ema_drive_prepare(ema_drive_t* drive, const ema_params_t* params, const ema_options_t* options);
 

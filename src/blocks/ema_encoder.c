@@ -1,6 +1,6 @@
-#include "ema_encoder.h"
+#include "blocks/ema_encoder.h"
 
-#include "ema_limits.h"
+#include "blocks/ema_limits.h"
 
 void ema_encoder_prepare(ema_encoder_t* encoder, const ema_params_t* params, const ema_options_t* options)
 {

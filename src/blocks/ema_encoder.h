@@ -2,9 +2,9 @@
 #ifndef EMA_ENCODER_H
 #define EMA_ENCODER_H
 
-#include "ema/ema_plant.h"
-#include "ema_choice.h"
-#include "ema_math.h"
+#include "base/ema_choice.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_plant.h"
 
 void ema_encoder_prepare(ema_encoder_t* encoder, const ema_params_t* params, const ema_options_t* options);
 

@@ -2,7 +2,7 @@
 #ifndef EMA_LIMITS_H
 #define EMA_LIMITS_H
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* Large enough never to bind, small enough that sums of it stay finite. */
 #define EMA_NO_LIMIT EMA_R(1.0e30)

@@ -1,6 +1,6 @@
-#include "ema_pid.h"
+#include "blocks/ema_pid.h"
 
-#include "ema_limits.h"
+#include "blocks/ema_limits.h"
 
 void ema_pid_prepare(ema_pid_t* pid, const ema_params_t* params, const ema_options_t* options)
 {

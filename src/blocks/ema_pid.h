@@ -2,9 +2,9 @@
 #ifndef EMA_PID_H
 #define EMA_PID_H
 
-#include "ema/ema_plant.h"
-#include "ema_choice.h"
-#include "ema_math.h"
+#include "base/ema_choice.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_plant.h"
 
 void ema_pid_prepare(ema_pid_t* pid, const ema_params_t* params, const ema_options_t* options);
 

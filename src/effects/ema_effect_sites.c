@@ -1,10 +1,10 @@
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_math.h"
-#include "ema_table.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "effects/ema_table.h"
 
 _Static_assert((size_t)EMA_EFFECT_COUNT <= (8U * sizeof(ema_effect_set_t)), "a set of effects has a bit for each");
 _Static_assert((uint32_t)EMA_SITE_COUNT <= EMA_TABLES_BIT, "a bit for each site, and one for tables");

@@ -1,17 +1,17 @@
 /* Where optional effects act. Declared and dispatched from the rows of ema_effects.def alone: a new effect is one row
- * and one file with the function of its site.
+ * and one function of its site.
  */
 #ifndef EMA_EFFECT_SITES_H
 #define EMA_EFFECT_SITES_H
 
 #include <stddef.h>
 
-#include "ema/ema_work.h"
-#include "ema_choice.h"
-#include "ema_effect_rows.h"
-#include "ema_site.h"
+#include "base/ema_choice.h"
+#include "base/ema_effect_rows.h"
+#include "effects/ema_site.h"
+#include "ema/detail/ema_step_scratch.h"
 
-/* The function that an effect's file supplies, by site. */
+/* The function that an effect supplies, by site. */
 #define EMA_EFFECT_AT_PARAMETER(name)                                                                                  \
     void ema_effect_##name##_adjust(const ema_effect_##name##_t* effect, ema_params_t* params);
 #define EMA_EFFECT_AT_FRICTION(name)                                                                                   \

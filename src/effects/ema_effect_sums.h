@@ -3,7 +3,7 @@
 #ifndef EMA_EFFECT_SUMS_H
 #define EMA_EFFECT_SUMS_H
 
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 
 static inline ema_real ema_site_friction(const ema_plant_t* plant, const ema_site_t* site, ema_real level_Nm)
 {

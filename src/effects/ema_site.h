@@ -2,7 +2,7 @@
 #ifndef EMA_SITE_H
 #define EMA_SITE_H
 
-#include "ema/ema_plant.h"
+#include "ema/detail/ema_plant.h"
 
 /* What an effect may look at, all at the same instant. */
 typedef struct {
@@ -23,5 +23,8 @@ typedef struct {
     ema_real step_s;
     ema_real lead_mm_per_rad;
 } ema_transmission_t;
+
+/* Growth of copper's resistance, per degC: IEC 60028. */
+#define EMA_COPPER_PER_DEGC EMA_R(0.00393)
 
 #endif

@@ -1,9 +1,9 @@
-#include "ema_table.h"
+#include "effects/ema_table.h"
 
 #include <stddef.h>
 
-#include "ema_effect_rows.h"
-#include "ema_math.h"
+#include "base/ema_effect_rows.h"
+#include "base/ema_math.h"
 
 #define EMA_TABLE_SPAN_COUNT ((uint32_t)(EMA_TABLE_VALUES - EMA_TABLE_NODES - 1))
 

@@ -3,7 +3,7 @@
 #ifndef EMA_TABLE_H
 #define EMA_TABLE_H
 
-#include "ema_site.h"
+#include "effects/ema_site.h"
 
 /* All tables have the same values in the same places, which the list EMA_TABLE gives them: gain, axis, first, last,
  * nodes. */

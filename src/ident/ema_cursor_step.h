@@ -8,8 +8,8 @@
 #ifndef EMA_CURSOR_STEP_H
 #define EMA_CURSOR_STEP_H
 
-#include "ema/ema_cursor.h"
-#include "ema_record_row.h"
+#include "ema/ema_record.h"
+#include "ident/ema_record_row.h"
 
 /* To the first step of a run of `actuator`, which passes all rows of the record. */
 void ema_cursor_start(ema_cursor_t* cursor, const ema_record_t* record, const ema_actuator_t* actuator);

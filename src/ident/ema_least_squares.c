@@ -2,14 +2,99 @@
 
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_cursor_step.h"
-#include "ema_least_squares_check.h"
-#include "ema_math.h"
-#include "ema_prepare.h"
-#include "ema_residual.h"
-#include "ema_start.h"
-#include "ema_tick.h"
+#include "base/ema_bounds.h"
+#include "base/ema_compiler.h"
+#include "base/ema_copy.h"
+#include "base/ema_linear.h"
+#include "base/ema_math.h"
+#include "ident/ema_cursor_step.h"
+#include "ident/ema_record_row.h"
+#include "ident/ema_residual.h"
+#include "plant/ema_run.h"
+
+/* Smallest and largest noise that a signal may have. */
+#define EMA_NOISE_MIN EMA_R(1.0e-9)
+#define EMA_NOISE_MAX EMA_R(1.0e9)
+
+/* Value at the coordinate `x` of the unit box. */
+static inline ema_real ema_searched_at(const ema_searched_t* searched, ema_real x)
+{
+    return searched->lower + (x * (searched->upper - searched->lower));
+}
+
+/* The companion's value where the searched value is `value`. */
+static EMA_NOINLINE ema_real ema_searched_with(const ema_searched_t* searched, const ema_actuator_t* actuator,
+                                               ema_real value)
+{
+    ema_real own = EMA_R(0.0);
+    ema_real companion = EMA_R(0.0);
+    (void)ema_actuator_get(actuator, searched->id, &own);
+    (void)ema_actuator_get(actuator, searched->with, &companion);
+    return (companion / own) * value;
+}
+
+/* Whether `lower` to `upper` lies inside the range of value `id`, which this build has. */
+static bool ema_searched_within(ema_value_id_t id, ema_real lower, ema_real upper)
+{
+    ema_bounds_t bounds;
+    return !ema_actuator_is_learned(id) && ema_bounds_of(id, &bounds) && (lower >= bounds.lower)
+           && (upper <= bounds.upper);
+}
+
+static bool ema_searched_valid(const ema_searched_t* searched, const ema_actuator_t* actuator)
+{
+    ema_real own = EMA_R(0.0);
+    bool valid = ema_searched_within(searched->id, searched->lower, searched->upper)
+                 && (searched->start >= searched->lower) && (searched->start <= searched->upper);
+    if (valid && (searched->with != searched->id)) {
+        (void)ema_actuator_get(actuator, searched->id, &own);
+        valid = (own != EMA_R(0.0)) && ((size_t)searched->with < EMA_VALUE_COUNT);
+        if (valid) {
+            const ema_real first = ema_searched_with(searched, actuator, searched->lower);
+            const ema_real last = ema_searched_with(searched, actuator, searched->upper);
+            valid = ema_searched_within(searched->with, ema_min(first, last), ema_max(first, last));
+        }
+    }
+    return valid;
+}
+
+/* Errors: those of ema_least_squares_init except the model's. No address is NULL. */
+static EMA_NOINLINE ema_status_t ema_least_squares_check(const ema_least_squares_config_t* config,
+                                                         const ema_record_t* record)
+{
+    uint32_t channels = 0U;
+    bool valid = (config->count >= 1U) && (config->count <= EMA_LEAST_SQUARES_MAX)
+                 && (config->run_budget > config->count) && ema_record_weights(record, config->noise);
+    for (uint32_t channel = 0; valid && (channel < EMA_CHANNEL_COUNT); ++channel) {
+        if (config->noise[channel] > EMA_R(0.0)) {
+            valid = (config->noise[channel] >= EMA_NOISE_MIN) && (config->noise[channel] <= EMA_NOISE_MAX);
+            ++channels;
+        }
+    }
+    for (uint32_t k = 0; valid && (k < config->count); ++k) {
+        if (!(config->searched[k].lower < config->searched[k].upper)) {
+            return EMA_ERR_BOUNDS;
+        }
+        valid = ema_searched_valid(&config->searched[k], config->actuator);
+    }
+    if (!valid) {
+        return EMA_ERR_RANGE;
+    }
+    return ((record->count * channels) > config->count) ? EMA_OK : EMA_ERR_SHORT;
+}
+
+/* Number of compared values minus number of searched ones. */
+static EMA_NOINLINE ema_real ema_squares_freedom(const ema_least_squares_t* self)
+{
+    return ((ema_real)self->cursor.record->count * (ema_real)self->channels) - (ema_real)self->config->count;
+}
+
+/* Whether the lowest point so far explains the record. */
+static EMA_NOINLINE bool ema_squares_adequate(const ema_least_squares_t* self)
+{
+    const ema_real ratio = self->config->actuator->params.adequacy_ratio;
+    return self->known && (self->best.square <= (ratio * ratio * ema_squares_freedom(self)));
+}
 
 /* Steps of the sensitivities, as shares of the bounds: the first; from then on so many standard errors of the value by
  * itself, large against rounding, small against what bends; and how small and large they may be. */
@@ -59,7 +144,7 @@ static const ema_real ema_start_turn[EMA_LEAST_SQUARES_MAX] = {EMA_R(0.41421356)
                                                                EMA_R(0.64575131), EMA_R(0.31662479), EMA_R(0.60555128),
                                                                EMA_R(0.12310563), EMA_R(0.35889894)};
 
-_Static_assert(EMA_DAMPED_MAX == EMA_LEAST_SQUARES_MAX, "a step moves all values");
+_Static_assert(EMA_LEVMAR_MAX == EMA_LEAST_SQUARES_MAX, "a step moves all values");
 
 /* The smallest fall of S that counts. */
 static ema_real ema_squares_least(const ema_least_squares_t* self)
@@ -163,7 +248,7 @@ static ema_real ema_squares_residual(const ema_least_squares_t* self, uint32_t c
 /* What came together over the last rows goes into the sum over all of them. */
 static void ema_squares_gather(ema_squares_point_t* point)
 {
-    for (uint32_t k = 0; k < EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
+    for (uint32_t k = 0; k < EMA_LEVMAR_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
         point->normal[k] += point->part[k];
         point->part[k] = EMA_R(0.0);
     }
@@ -212,7 +297,7 @@ static void ema_squares_row(ema_least_squares_t* self)
 /* The mean of what was summed to both sides. */
 static void ema_squares_mean(ema_squares_point_t* point)
 {
-    for (uint32_t k = 0; k < EMA_DAMPED_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
+    for (uint32_t k = 0; k < EMA_LEVMAR_TRIANGLE(EMA_LEAST_SQUARES_MAX); ++k) {
         point->normal[k] *= EMA_R(0.5);
     }
     for (uint32_t k = 0; k < EMA_LEAST_SQUARES_MAX; ++k) {
@@ -304,7 +389,7 @@ static bool ema_squares_all_move(const ema_least_squares_t* self)
 {
     bool all = !self->failed;
     for (uint32_t k = 0; k < self->config->count; ++k) {
-        all = all && (self->present.normal[EMA_DAMPED_TRIANGLE(k) + k] > EMA_R(0.0));
+        all = all && (self->present.normal[EMA_LEVMAR_TRIANGLE(k) + k] > EMA_R(0.0));
     }
     return all;
 }
@@ -396,7 +481,7 @@ static void ema_squares_propose(ema_least_squares_t* self)
         bool searching = true;
         while (searching) {
             ema_real step[EMA_LEAST_SQUARES_MAX] = {0};
-            const ema_real promised = ema_damped_step(self->present.normal, self->present.gradient, self->present.x,
+            const ema_real promised = ema_levmar_step(self->present.normal, self->present.gradient, self->present.x,
                                                       count, self->damping, &self->solver, step);
             if (!self->other_side && (promised <= EMA_FALL_FINE) && (left > (2U * (2U + count)))) {
                 searching = false;
@@ -421,7 +506,7 @@ static bool ema_squares_reach(ema_least_squares_t* self)
 {
     bool far_off = false;
     for (uint32_t k = 0; k < self->config->count; ++k) {
-        const ema_real square = self->present.normal[EMA_DAMPED_TRIANGLE(k) + k];
+        const ema_real square = self->present.normal[EMA_LEVMAR_TRIANGLE(k) + k];
         if (square > EMA_R(0.0)) {
             const ema_real before = self->reach[k];
             self->reach[k] =
@@ -539,4 +624,89 @@ ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps)
 bool ema_least_squares_done(const ema_least_squares_t* self)
 {
     return (self != NULL) && (self->phase == EMA_SQUARES_DONE);
+}
+
+/* An estimate this close to a bound, as a share of the bounds, lies on it. */
+#define EMA_AT_BOUND_SHARE EMA_R(5.0e-4)
+
+/* Standard errors that a value may have, as a share of its bounds, so that its 95 % interval is shorter than half of
+ * them. */
+#define EMA_DETERMINED_SHARE EMA_R(0.1275)
+
+/* Squared rounding of a sensitivity, over that of a signal, at the most: two runs are rounded, each by about half a
+ * unit in the last place of what it shows and of what it adds up. Measured, of values that do the same in exact
+ * numbers. */
+#define EMA_SLOPE_ROUNDED EMA_R(64.0)
+
+/* Share of value `k`'s sensitivities that may be rounding. */
+static ema_real ema_collinearity_rounded(const ema_squares_point_t* point, uint32_t k, ema_real length)
+{
+    const ema_real moved = point->reach[k] * length;
+    const ema_real rounded = (EMA_SLOPE_ROUNDED * EMA_REAL_EPSILON * EMA_REAL_EPSILON) * point->size_square;
+    return (moved > EMA_R(0.0)) ? (rounded / (moved * moved)) : EMA_R(1.0);
+}
+
+/* Standard error for a variance of one, as a share of the bounds. */
+static ema_real ema_collinearity_error(const ema_collinearity_t* apart, ema_real rounded)
+{
+    const bool told = (apart->length > EMA_R(0.0)) && (apart->share > ema_max(rounded, EMA_PIVOT_SHARE));
+    return told ? (EMA_R(1.0) / (apart->length * ema_sqrt(apart->share))) : EMA_COST_MAX;
+}
+
+static ema_determined_t ema_collinearity_determined(const ema_collinearity_t* apart, ema_real error)
+{
+    ema_determined_t determined = EMA_DETERMINED;
+    if (!((apart->length * EMA_DETERMINED_SHARE) >= EMA_R(1.0))) {
+        determined = EMA_DETERMINED_NOT;
+    } else if (!(error <= EMA_DETERMINED_SHARE)) {
+        determined = EMA_DETERMINED_TOGETHER;
+    } else {
+        /* by itself */
+    }
+    return determined;
+}
+
+ema_status_t ema_least_squares_result(const ema_least_squares_t* self, ema_least_squares_result_t* result)
+{
+    if ((self == NULL) || (result == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if (!self->known) {
+        return (self->phase == EMA_SQUARES_DONE) ? EMA_ERR_DIVERGED : EMA_ERR_ORDER;
+    }
+    const ema_squares_point_t* const best = &self->best;
+    const uint32_t rows = self->cursor.rows;
+    const ema_real freedom = ema_squares_freedom(self);
+    ema_clear(result, sizeof *result);
+    result->count = self->config->count;
+    result->misfit_before = ema_sqrt(self->first_square / freedom);
+    result->misfit_after = ema_sqrt(best->square / freedom);
+    result->residual_rms_mm = ema_sqrt(best->residual.position_square / (ema_real)rows);
+    result->residual_correlation = ema_residual_correlation(&best->residual);
+    result->outside_ratio = best->outside_ratio;
+    result->crossed = best->pushed[0] && best->pushed[1];
+    result->adequate = ema_squares_adequate(self);
+    result->runs = self->runs;
+    result->starts = self->starts;
+    result->model_steps = self->model_steps;
+    result->outcome = self->outcome;
+    const ema_real variance =
+        ema_residual_variance(&best->residual, freedom, ema_residual_widening(result->residual_correlation));
+    const ema_real shared =
+        ema_residual_shared(&best->residual, rows, result->residual_correlation, EMA_R(0.0)) * best->square;
+    for (uint32_t k = 0; k < result->count; ++k) {
+        const ema_searched_t* const searched = &self->config->searched[k];
+        const ema_collinearity_t apart = ema_levmar_collinearity(best->normal, result->count, k);
+        const ema_real range = searched->upper - searched->lower;
+        const ema_real error = ema_collinearity_error(&apart, ema_collinearity_rounded(best, k, apart.length));
+        ema_found_t* const found = &result->value[k];
+        found->estimate = ema_searched_at(searched, best->x[k]);
+        found->determined = ema_collinearity_determined(&apart, error);
+        found->partner = apart.partner;
+        found->at_bound = (best->x[k] < EMA_AT_BOUND_SHARE) || (best->x[k] > (EMA_R(1.0) - EMA_AT_BOUND_SHARE));
+        found->noise_std = (error < EMA_COST_MAX) ? (error * range) : EMA_COST_MAX;
+        found->std = (error < EMA_COST_MAX) ? (error * ema_sqrt(variance) * range) : EMA_COST_MAX;
+        found->bias = (error < EMA_COST_MAX) ? (EMA_BIAS_SHARE * error * ema_sqrt(shared) * range) : EMA_COST_MAX;
+    }
+    return EMA_OK;
 }

@@ -1,8 +1,8 @@
-#include "ema/ema_objective.h"
+#include "ema/detail/ema_objective.h"
 
-#include "ema_cursor_step.h"
-#include "ema_math.h"
-#include "ema_tick.h"
+#include "base/ema_math.h"
+#include "ident/ema_cursor_step.h"
+#include "plant/ema_run.h"
 
 ema_status_t ema_objective_start(ema_objective_t* objective, const ema_actuator_t* actuator, const ema_record_t* record,
                                  const ema_real weight[EMA_CHANNEL_COUNT], ema_real start_mm, ema_real limit)

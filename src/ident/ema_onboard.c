@@ -1,13 +1,13 @@
-#include "ema/ema_onboard.h"
+#include "ema/detail/ema_onboard.h"
 
 #include <string.h>
 
-#include "ema_bounds.h"
-#include "ema_copy.h"
-#include "ema_cursor_step.h"
-#include "ema_math.h"
-#include "ema_onboard_begin.h"
-#include "ema_tick.h"
+#include "base/ema_bounds.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_cursor_step.h"
+#include "ident/ema_run_begin.h"
+#include "plant/ema_run.h"
 
 /* Start and factor of the checksum by Fowler, Noll and Vo, over words. */
 #define EMA_FINGERPRINT_START 2166136261U
@@ -294,4 +294,14 @@ ema_status_t ema_onboard_result(const ema_onboard_t* self, ema_finding_t* findin
         }
     }
     return EMA_OK;
+}
+
+static const char* const ema_effect_names[] = {
+#define EMA_EFFECT(name, site, memory, substeps, equation, source, look_alikes, parameters) #name,
+#include "ema/ema_effects.def"
+};
+
+const char* ema_effect_name(ema_effect_id_t effect)
+{
+    return ((uint32_t)effect < (uint32_t)EMA_EFFECT_COUNT) ? ema_effect_names[effect] : "none";
 }

@@ -1,7 +1,8 @@
-#include "ema_record_row.h"
+#include "ident/ema_record_row.h"
 
-#include "ema_copy.h"
-#include "ema_math.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_cursor_step.h"
 
 #define EMA_INT16_FULL EMA_R(32767.0)
 
@@ -143,4 +144,41 @@ bool ema_record_weights(const ema_record_t* record, const ema_real* weight)
         any = any || weighs;
     }
     return valid && any;
+}
+
+ema_status_t ema_record_adopt(ema_record_t* record, uint32_t rows)
+{
+    if (record == NULL) {
+        return EMA_ERR_NULL;
+    }
+    if (rows > (record->capacity - record->count)) {
+        return EMA_ERR_FULL;
+    }
+    const uint32_t end = record->count + rows;
+    /* every count is a number */
+    if (!ema_record_counts(record)) {
+        for (uint32_t row = record->count; row < end; ++row) {
+            for (uint32_t place = 0; place < record->stride; ++place) {
+                if (!ema_is_finite(ema_record_value(record, row, place))) {
+                    return EMA_ERR_NOT_FINITE;
+                }
+            }
+        }
+    }
+    /* in the order in which rows are appended, so that the sum is the same to the bit */
+    for (uint32_t row = (record->count > 0U) ? record->count : 1U; (ema_record_function(record) == NULL) && (row < end);
+         ++row) {
+        record->asked_mm += ema_abs(ema_record_value(record, row, 0U) - ema_record_value(record, row - 1U, 0U));
+    }
+    record->count = end;
+    return EMA_OK;
+}
+
+void ema_cursor_start(ema_cursor_t* cursor, const ema_record_t* record, const ema_actuator_t* actuator)
+{
+    cursor->record = record;
+    cursor->every_steps = (uint32_t)actuator->options.record_every_steps;
+    cursor->rows = record->count;
+    cursor->row = 0U;
+    cursor->step_in_row = 0U;
 }

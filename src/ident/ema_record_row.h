@@ -2,9 +2,10 @@
 #ifndef EMA_RECORD_ROW_H
 #define EMA_RECORD_ROW_H
 
-#include "ema/ema_plant.h"
+#include "base/ema_choice.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_plant.h"
 #include "ema/ema_record.h"
-#include "ema_choice.h"
 
 /* Whether a record keeps counts, and the command that is a function, NULL where it is recorded. */
 static inline bool ema_record_counts(const ema_record_t* record)
@@ -52,5 +53,18 @@ static inline ema_real ema_record_command(const ema_record_t* record, uint32_t r
 /* The value and the command as functions, where they are not in the way of every model step. */
 ema_real ema_record_at(const ema_record_t* record, uint32_t row, uint32_t place);
 ema_real ema_record_asked(const ema_record_t* record, uint32_t row, uint32_t step);
+
+/* The rod may rest anywhere in its play, and the sensor is noisy by this many standard deviations. */
+#define EMA_START_NOISE EMA_R(4.0)
+
+/* At the command when the first sample agrees with it within play and noise, else where the sample says. */
+static inline ema_real ema_start_mm(const ema_params_t* params, const ema_record_t* record)
+{
+    const ema_real command_mm = ema_record_asked(record, 0U, 0U);
+    const ema_real position_mm = ema_record_at(record, 0U, (uint32_t)record->place[EMA_CHANNEL_POSITION]);
+    const ema_real apart_mm = ema_abs(position_mm - command_mm);
+    const ema_real doubt_mm = (EMA_R(0.5) * params->blk_upper_mm) + (EMA_START_NOISE * params->position_noise_mm);
+    return (apart_mm <= doubt_mm) ? command_mm : position_mm;
+}
 
 #endif

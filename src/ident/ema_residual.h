@@ -3,8 +3,8 @@
 #ifndef EMA_RESIDUAL_H
 #define EMA_RESIDUAL_H
 
-#include "ema/ema_sensitivity.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "ema/detail/ema_sensitivity.h"
 
 /* A residual that repeats itself entirely would make the standard errors infinite. */
 #define EMA_CORRELATION_MAX EMA_R(0.999)

@@ -1,14 +1,13 @@
-#include "ema/ema_sensitivity.h"
+#include "ema/detail/ema_sensitivity.h"
 
-#include "ema_bounds.h"
-#include "ema_copy.h"
-#include "ema_cursor_step.h"
-#include "ema_linear.h"
-#include "ema_math.h"
-#include "ema_prepare.h"
-#include "ema_residual.h"
-#include "ema_sensitivity_begin.h"
-#include "ema_tick.h"
+#include "base/ema_bounds.h"
+#include "base/ema_copy.h"
+#include "base/ema_linear.h"
+#include "base/ema_math.h"
+#include "ident/ema_cursor_step.h"
+#include "ident/ema_residual.h"
+#include "ident/ema_run_begin.h"
+#include "plant/ema_run.h"
 
 ema_status_t ema_sensitivity_begin(ema_sensitivity_t* self, const ema_actuator_t* actuator, const ema_record_t* record,
                                    const ema_real weight[EMA_CHANNEL_COUNT], uint32_t count)

@@ -1,9 +1,259 @@
-#include "ema_motion.h"
+#include "plant/ema_motion.h"
 
-#include "ema_effect_sites.h"
-#include "ema_forces.h"
-#include "ema_math.h"
-#include "ema_resolve.h"
+#include <stddef.h>
+
+#include "base/ema_compiler.h"
+#include "base/ema_math.h"
+#include "blocks/ema_mechanics.h"
+#include "effects/ema_effect_sites.h"
+#include "effects/ema_effect_sums.h"
+
+/* Speed as the forces see it: past a reversal that is not located yet the friction keeps the direction of the motion.
+ */
+static ema_real ema_force_speed(int32_t motion, ema_real speed_rad_s)
+{
+    ema_real kept_rad_s = speed_rad_s;
+    if (motion == (int32_t)EMA_MOTION_FORWARD) {
+        kept_rad_s = ema_max(speed_rad_s, EMA_R(0.0));
+    } else if (motion == (int32_t)EMA_MOTION_BACKWARD) {
+        kept_rad_s = ema_min(speed_rad_s, EMA_R(0.0));
+    } else {
+        /* at rest there is none, and an elastic contact has no direction to keep */
+    }
+    return kept_rad_s;
+}
+
+/* Sites that most machines have no effect at, in the two groups that are passed by together. */
+#define EMA_SITES_OF_INPUT                                                                                             \
+    (((uint32_t)1 << (uint32_t)EMA_SITE_VOLTAGE) | ((uint32_t)1 << (uint32_t)EMA_SITE_WINDING)                         \
+     | ((uint32_t)1 << (uint32_t)EMA_SITE_LOAD))
+#define EMA_SITES_OF_SHAFT (((uint32_t)1 << (uint32_t)EMA_SITE_GREASE) | ((uint32_t)1 << (uint32_t)EMA_SITE_MOTOR))
+
+/* Dry friction against the site's direction. */
+static ema_real ema_level(const ema_plant_t* plant, uint32_t sites, const ema_site_t* site, ema_real level_Nm,
+                          ema_real load_Nm)
+{
+    const ema_real own_Nm = ema_screw_level(&plant->screw, level_Nm, site->direction);
+    ema_real total_Nm = own_Nm;
+    if (load_Nm != EMA_R(0.0)) {
+        total_Nm += ema_gearbox_lost(&plant->gearbox, load_Nm, site->direction);
+    }
+    if (ema_acts_among(sites, EMA_SITE_GREASE)) {
+        total_Nm += site->grease * own_Nm;
+    }
+    if (ema_acts_among(sites, EMA_SITE_FRICTION)) {
+        total_Nm += ema_site_friction(plant, site, own_Nm);
+    }
+    return ema_max(total_Nm, EMA_R(0.0));
+}
+
+/* Torque of dry friction on a shaft that slides, or of a stretched contact, which an end of travel alone can hold at
+ * rest; of a shaft that rests both levels. One place asks for a level, so that it is no call. */
+static ema_real ema_dry_friction(const ema_plant_t* plant, uint32_t sites, const ema_state_t* state, ema_site_t* site,
+                                 ema_real load_Nm, bool rests, ema_forces_t* forces)
+{
+    const ema_real kept_Nm = rests ? plant->screw.static_Nm : plant->screw.dynamic_Nm;
+    ema_real share = rests ? EMA_R(1.0) : (ema_real)state->motion;
+    site->direction = share;
+    if (ema_acts_among(sites, EMA_SITE_PRESLIDING)) {
+        share = ema_site_presliding(plant, state->effect_memory, site->angle_rad - state->angle_rad);
+        site->direction = (share < EMA_R(0.0)) ? EMA_R(-1.0) : EMA_R(1.0);
+    }
+    ema_real level_Nm = EMA_R(0.0);
+    /* forward, then backward, or the one way that it slides */
+    uint32_t k = 1U;
+    if (rests) {
+        k = 0U;
+    }
+    while (k < 2U) {
+        level_Nm = ema_level(plant, sites, site, kept_Nm, load_Nm);
+        if (k == 0U) {
+            forces->level_forward_Nm = level_Nm;
+            site->direction = EMA_R(-1.0);
+        }
+        ++k;
+    }
+    forces->level_backward_Nm = rests ? level_Nm : EMA_R(0.0);
+    return -share * level_Nm;
+}
+
+EMA_NOINLINE void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work,
+                                const ema_point_t* point)
+{
+    const bool starts = point == &work->segment.start;
+    const ema_drive_output_t* const applied = &work->applied;
+    ema_forces_t* const forces = &work->forces;
+    ema_site_t site = {plant,
+                       ema_force_speed(state->motion, point->speed_rad_s),
+                       point->angle_rad,
+                       plant->gearbox.lead_mm_per_rad * point->angle_rad,
+                       point->current_A,
+                       applied->input,
+                       EMA_R(0.0),
+                       EMA_R(0.0)};
+    const uint32_t sites = plant->active.sites;
+    /* kept out of the structure: each call would have them written and read again */
+    ema_real input = applied->input;
+    ema_real load_Nm = plant->screw.load_torque_Nm;
+    if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_INPUT) != 0U) {
+        if (!ema_drive_follows(applied) && ema_acts_among(sites, EMA_SITE_VOLTAGE)) {
+            input += ema_site_voltage(plant, &site);
+        }
+        if (!ema_drive_follows(applied) && ema_acts_among(sites, EMA_SITE_WINDING)) {
+            /* it warms between steps alone */
+            if (starts) {
+                work->winding_ohm = ema_site_winding(plant, state->effect_memory) * plant->motor.resistance_ohm;
+            }
+            input -= work->winding_ohm * site.current_A;
+        }
+        if (ema_acts_among(sites, EMA_SITE_LOAD)) {
+            load_Nm += ema_site_load(plant, &site);
+        }
+    }
+    ema_real torque_Nm = -load_Nm;
+    if (ema_acts_among(sites, EMA_SITE_TORQUE)) {
+        torque_Nm += ema_site_torque(plant, &site);
+    }
+    if (((uint32_t)EMA_SITES_HELD & sites & EMA_SITES_OF_SHAFT) != 0U) {
+        if (ema_acts_among(sites, EMA_SITE_GREASE)) {
+            site.grease = ema_site_grease(plant, state->effect_memory);
+            torque_Nm -= (site.grease * plant->screw.viscous_Nm_s_per_rad) * site.speed_rad_s;
+        }
+        if (ema_acts_among(sites, EMA_SITE_MOTOR)) {
+            const ema_real change = ema_site_motor(plant, &site);
+            const ema_real changed_A = (EMA_R(1.0) + change) * site.current_A;
+            /* the limit holds for the torque with its change */
+            torque_Nm += ema_motor_torque(&plant->motor, changed_A) - ema_motor_torque(&plant->motor, site.current_A);
+            input -= ema_drive_follows(applied) ? EMA_R(0.0)
+                                                : (change * plant->motor.back_emf_V_s_per_rad * point->speed_rad_s);
+        }
+    }
+    /* a shaft at rest breaks away by the levels at the start */
+    const bool rests = (state->motion == (int32_t)EMA_MOTION_STUCK) && !ema_acts_among(sites, EMA_SITE_PRESLIDING);
+    ema_real friction_Nm = work->segment.forces.level_forward_Nm;
+    if (starts || (!rests && ema_friction_varies(sites))) {
+        friction_Nm = ema_dry_friction(plant, sites, state, &site, load_Nm, rests, forces);
+    }
+    if (!rests) {
+        forces->level_forward_Nm = friction_Nm;
+        torque_Nm += friction_Nm;
+    }
+    forces->input = input;
+    forces->torque_Nm = torque_Nm;
+}
+
+EMA_NOINLINE void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
+{
+    ema_segment_t* const segment = &work->segment;
+    ema_span_t* const span = &work->span;
+    span->current_A = state->current_A;
+    span->speed_rad_s = state->speed_rad_s;
+    segment->start.current_A = state->current_A;
+    segment->start.speed_rad_s = state->speed_rad_s;
+    segment->start.angle_rad = state->angle_rad;
+    work->spent += EMA_WORK_FORCES;
+    ema_forces_at(plant, state, work, &segment->start);
+    /* one by one: a copy of the whole waits for the writes to its parts */
+    const ema_real input = work->forces.input;
+    const ema_real torque_Nm = work->forces.torque_Nm;
+    segment->forces.input = input;
+    segment->forces.torque_Nm = torque_Nm;
+    segment->forces.level_forward_Nm = work->forces.level_forward_Nm;
+    segment->forces.level_backward_Nm = work->forces.level_backward_Nm;
+    span->input = input;
+    span->torque_Nm = torque_Nm;
+    segment->end.current_A = EMA_R(0.0);
+    segment->end.speed_rad_s = EMA_R(0.0);
+    segment->turn_rad = EMA_R(0.0);
+    span->input_rise = EMA_R(0.0);
+    span->torque_rise_Nm = EMA_R(0.0);
+}
+
+EMA_NOINLINE void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
+{
+    ema_segment_t* const segment = &work->segment;
+    ema_span_t* const span = &work->span;
+    ema_real reaction_Nm = EMA_R(0.0);
+    span->torque_Nm = EMA_R(0.0);
+    if (ema_acts(plant, EMA_SITE_TRANSMISSION)) {
+        const ema_real play_end_mm =
+            ema_screw_play_at(&plant->screw, state->play_mm, plant->gearbox.lead_mm_per_rad * segment->end.angle_rad);
+        ema_site_transmission_trial(plant, state, play_end_mm, work->span_s, &work->rod);
+        span->torque_Nm = work->rod.reaction_start_Nm;
+        segment->forces.torque_Nm += span->torque_Nm;
+        reaction_Nm = work->rod.reaction_end_Nm;
+    }
+    work->spent += EMA_WORK_FORCES;
+    ema_forces_at(plant, state, work, &segment->end);
+    span->torque_rise_Nm = (work->forces.torque_Nm + reaction_Nm) - segment->forces.torque_Nm;
+    span->input_rise = work->forces.input - segment->forces.input;
+}
+
+EMA_NOINLINE void ema_segment_respond(int32_t motion, ema_step_scratch_t* work, uint32_t from, uint32_t to)
+{
+    const ema_responses_t* const responses = work->responses;
+    const ema_real* const current = (const ema_real*)(const void*)&responses->current; /* EMA-D4 */
+    const ema_real* const speed = (const ema_real*)(const void*)&responses->speed;     /* EMA-D4 */
+    const ema_real* const angle = (const ema_real*)(const void*)&responses->angle;     /* EMA-D4 */
+    const ema_real* const stuck = &responses->stuck_from_current;
+    const ema_real* const driven = (const ema_real*)(const void*)&work->span; /* EMA-D4 */
+    ema_segment_t* const segment = &work->segment;
+    ema_real current_A = segment->end.current_A;
+    if (motion != (int32_t)EMA_MOTION_STUCK) {
+        ema_real speed_rad_s = segment->end.speed_rad_s;
+        ema_real turn_rad = segment->turn_rad;
+        uint32_t k = from;
+        do {
+            const ema_real drive = driven[k];
+            current_A += current[k] * drive;
+            speed_rad_s += speed[k] * drive;
+            turn_rad += angle[k] * drive;
+            ++k;
+        } while (k < to);
+        segment->end.speed_rad_s = speed_rad_s;
+        segment->turn_rad = turn_rad;
+    } else {
+        /* torques drive nothing */
+        for (uint32_t k = (from + 1U) / 2U; k < (to / 2U); ++k) {
+            current_A += stuck[k] * driven[(size_t)2U * k];
+        }
+    }
+    segment->end.current_A = current_A;
+    segment->end.angle_rad = segment->start.angle_rad + segment->turn_rad;
+}
+
+/* How far the forces inside a step may be off an even rise to be taken for one, as a share of the torques at work; and
+ * off the polynomial through four points where they are not even. Of the voltage a quarter as much, which has no twist.
+ * What rises or twists more than is tame may be a ripple too fast for so few points, and has to fit at more. */
+#define EMA_TOL_LINEAR EMA_R(1.0e-5)
+#define EMA_TOL_POLYNOMIAL EMA_R(1.0e-3)
+#define EMA_TOL_TWIST EMA_R(1.0e-3)
+#define EMA_SHARE_OF_INPUT EMA_R(0.25)
+
+/* A torque that bends by less than this share of its rise, and hardly twists, is no ripple too fast for four points;
+ * and what the polynomial leaves of its bend, be it a kink, is less than the second share of it. */
+#define EMA_TOL_BEND EMA_R(0.25)
+#define EMA_TOL_BEND_RESIDUAL EMA_R(0.1)
+
+/* Bend and twist, as in ema_response_t, of what is off an even rise at the nodes. */
+#define EMA_BEND_OF_SUM EMA_R(2.5)
+#define EMA_TWIST_OF_DIFFERENCE EMA_R(5.590169943749474)
+
+/* A fraction s of a segment, there s (1 - s), and the integral of that up to there. */
+typedef struct {
+    ema_real at;
+    ema_real bubble;
+    ema_real turn;
+} ema_node_t;
+
+/* The inner two of the four points of Lobatto's rule, which integrates fifth powers; and two to look at afterwards: one
+ * that shows an end that was predicted badly as well as what is left between the four, and the middle. */
+static const ema_node_t ema_nodes[4] = {
+    {EMA_R(0.27639320225002101), EMA_R(0.19999999999999998), EMA_R(0.03115841385833824)},
+    {EMA_R(0.72360679774997894), EMA_R(0.20000000000000001), EMA_R(0.1355082528083284)},
+    {EMA_R(0.90000000000000002), EMA_R(0.089999999999999983), EMA_R(0.16200000000000001)},
+    {EMA_R(0.5), EMA_R(0.25), EMA_R(0.083333333333333329)},
+};
 
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad)
 {
@@ -15,7 +265,7 @@ void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn
 }
 
 /* Current and speed bend on their way to the segment's end by what their rates change from end to end. */
-static void ema_segment_bow(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+static void ema_segment_bow(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     const ema_circuit_t* const circuit = work->circuit;
     ema_segment_t* const segment = &work->segment;
@@ -36,7 +286,7 @@ static void ema_segment_bow(const ema_plant_t* plant, const ema_state_t* state, 
 }
 
 /* What the forces at the node are off an even rise, into the work's `forces`. */
-static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work,
+static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work,
                             const ema_node_t* node)
 {
     ema_segment_t* const segment = &work->segment;
@@ -59,12 +309,12 @@ static void ema_segment_off(const ema_plant_t* plant, const ema_state_t* state, 
     work->forces.input -= segment->forces.input + (node->at * work->span.input_rise);
 }
 
-static bool ema_segment_torque_within(const ema_work_t* work, ema_real torque_Nm, ema_real share)
+static bool ema_segment_torque_within(const ema_step_scratch_t* work, ema_real torque_Nm, ema_real share)
 {
     return ema_abs(torque_Nm) <= (share * work->segment.working_Nm);
 }
 
-static bool ema_segment_within(const ema_work_t* work, ema_real input, ema_real torque_Nm, ema_real share)
+static bool ema_segment_within(const ema_step_scratch_t* work, ema_real input, ema_real torque_Nm, ema_real share)
 {
     return ema_segment_torque_within(work, torque_Nm, share)
            && (ema_abs(input) <= (EMA_SHARE_OF_INPUT * share * ema_abs(work->applied.input)));
@@ -72,18 +322,18 @@ static bool ema_segment_within(const ema_work_t* work, ema_real input, ema_real 
 
 /* From what the forces are off at the first node, which the span holds, and at the second: their bend and twist. How
  * many nodes say whether they are resolved by that. */
-static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
+static uint32_t ema_segment_bend(const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_span_t* const span = &work->span;
     const ema_forces_t* const here = &work->forces;
     const ema_real twists_Nm = here->torque_Nm - span->torque_bend_Nm;
     uint32_t nodes = 4U;
-    if (ema_segment_torque_within(work, twists_Nm, EMA_TAME)) {
+    if (ema_segment_torque_within(work, twists_Nm, EMA_TOL_TWIST)) {
         nodes = 3U;
         if ((state->motion != (int32_t)EMA_MOTION_ELASTIC)
-            && (ema_abs(here->torque_Nm) <= (EMA_GENTLE * ema_abs(span->torque_rise_Nm)))
+            && (ema_abs(here->torque_Nm) <= (EMA_TOL_BEND * ema_abs(span->torque_rise_Nm)))
             && ema_segment_within(work, ema_max(ema_abs(span->input_bend), ema_abs(here->input)),
-                                  EMA_LEFT_OF_BEND * here->torque_Nm, EMA_UNRESOLVED)) {
+                                  EMA_TOL_BEND_RESIDUAL * here->torque_Nm, EMA_TOL_POLYNOMIAL)) {
             nodes = 2U;
         }
     }
@@ -96,15 +346,15 @@ static uint32_t ema_segment_bend(const ema_state_t* state, ema_work_t* work)
 
 /* Whether nothing can be off an even rise by more than is taken for one: the laws of dry friction hang on a speed that
  * keeps its direction, or on a load or a place that a step hardly moves, and it is the same at both ends. */
-static bool ema_segment_steady(const ema_plant_t* plant, const ema_work_t* work)
+static bool ema_segment_steady(const ema_plant_t* plant, const ema_step_scratch_t* work)
 {
-    return ema_friction_alone(plant) && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_UNEVEN);
+    return ema_friction_alone(plant) && ema_segment_torque_within(work, work->span.torque_rise_Nm, EMA_TOL_LINEAR);
 }
 
 /* Bends and twists the forces through those at the inner nodes; false where they are not resolved by that, which is
  * looked at where it can be. An elastic contact forgets which way it was stretched, so a turning point inside is too
  * much for it. */
-static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* state, ema_work_t* work)
+static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work)
 {
     ema_segment_t* const segment = &work->segment;
     const ema_forces_t* const here = &work->forces;
@@ -125,8 +375,8 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
         if (k == 0U) {
             span->input_bend = here->input;
             span->torque_bend_Nm = here->torque_Nm;
-            if (ema_segment_within(work, here->input, here->torque_Nm, EMA_UNEVEN)
-                && ema_segment_torque_within(work, span->torque_rise_Nm, EMA_TAME)) {
+            if (ema_segment_within(work, here->input, here->torque_Nm, EMA_TOL_LINEAR)
+                && ema_segment_torque_within(work, span->torque_rise_Nm, EMA_TOL_TWIST)) {
                 nodes = 1U;
             }
         } else if (k == 1U) {
@@ -135,7 +385,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
             const ema_real bent_Nm =
                 span->torque_bend_Nm + (((EMA_R(2.0) * node->at) - EMA_R(1.0)) * span->torque_twist_Nm);
             resolved = ema_segment_within(work, here->input - (node->bubble * span->input_bend),
-                                          here->torque_Nm - (node->bubble * bent_Nm), EMA_UNRESOLVED);
+                                          here->torque_Nm - (node->bubble * bent_Nm), EMA_TOL_POLYNOMIAL);
         }
     }
     work->spent += k * EMA_WORK_FORCES;
@@ -144,7 +394,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
 
 /* A span by the work's responses; false, and nothing changed, when something would happen in it, or, with `whole`, when
  * the effects are not resolved over it. */
-static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, bool whole)
+static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, bool whole)
 {
     if (!(ema_abs(state->current_A) < plant->linear_current_A)) {
         return false;
@@ -185,7 +435,8 @@ static bool ema_motion_smooth(const ema_plant_t* plant, ema_state_t* state, ema_
 
 /* A span by the work's responses, where there are any; false, and nothing changed, where it has to be taken event by
  * event, or in substeps. */
-static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s, bool whole)
+static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real span_s,
+                           bool whole)
 {
     work->circuit = ema_circuit_of(plant, &work->applied);
     work->span_s = span_s;
@@ -198,7 +449,7 @@ static bool ema_motion_try(const ema_plant_t* plant, ema_state_t* state, ema_wor
     return done;
 }
 
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s)
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real span_s)
 {
     work->responses = (ema_acts_on_motion(plant) && !ema_drive_delays(&plant->drive)) ? &plant->responses[0] : NULL;
     /* events are found without the frame of a try below them */
@@ -207,8 +458,8 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t
     }
 }
 
-void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
-                     ema_real span_s)
+EMA_NOINLINE void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work,
+                                  const ema_responses_t* responses, ema_real span_s)
 {
     ++work->spent;
     work->responses = responses;
@@ -217,4 +468,23 @@ void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* w
             ema_motion_located(plant, state, work, span_s / (ema_real)plant->substeps);
         }
     }
+}
+
+EMA_NOINLINE void ema_delayed_output(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work,
+                                     ema_real output)
+{
+    state->delay_output[state->step & (EMA_DELAY_SAMPLES - 1U)] = output;
+    const bool parted = plant->drive.delay_part > EMA_R(0.0);
+    ema_drive_late(plant, state, plant->drive.delay_steps + (parted ? 1U : 0U), &work->applied);
+}
+
+void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work)
+{
+    const ema_real first_s = plant->drive.delay_part * plant->step_s;
+    if (first_s > EMA_R(0.0)) {
+        ema_motion_span(plant, state, work, &plant->responses[0], first_s);
+        ema_drive_late(plant, state, plant->drive.delay_steps, &work->applied);
+        ema_drive_current(plant, state, &work->applied);
+    }
+    ema_motion_span(plant, state, work, &plant->responses[1], plant->step_s - first_s);
 }

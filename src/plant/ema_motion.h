@@ -7,26 +7,27 @@
 #ifndef EMA_MOTION_H
 #define EMA_MOTION_H
 
-#include "ema_drive.h"
-#include "ema_effect_sites.h"
-#include "ema_screw.h"
+#include "blocks/ema_drive.h"
+#include "blocks/ema_mechanics.h"
+#include "effects/ema_effect_sites.h"
 
 /* An integration step, or a part of one, with effects or with events, which are located inside it. */
-void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real span_s);
+void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real span_s);
 
-/* The same with its events alone, over the work's span: ema_located.c. */
-void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work);
+/* The same with its events alone, over the work's span: ema_motion_events.c. */
+void ema_motion_events(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work);
 
-/* Moves a rod whose transmission yields over `span_s`, in which the play came from `play_start_mm`: ema_located.c. */
-void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real play_start_mm,
+/* Moves a rod whose transmission yields over `span_s`, in which the play came from `play_start_mm`:
+ * ema_motion_events.c. */
+void ema_motion_rod(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real play_start_mm,
                     ema_real span_s);
 
 /* Turns the shaft; an elastic contact follows. */
 void ema_motion_turn(const ema_plant_t* plant, ema_state_t* state, ema_real turn_rad);
 
 /* `span_s` with effects: in one by the responses, if nothing happens in it that needs its substeps. */
-void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, const ema_responses_t* responses,
-                     ema_real span_s);
+void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work,
+                     const ema_responses_t* responses, ema_real span_s);
 
 static inline ema_real ema_response_at(const ema_response_t* response, ema_real current_A, ema_real speed_rad_s,
                                        ema_real input, ema_real torque_Nm)
@@ -77,7 +78,7 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
 }
 
 /* What the work says that the drive applies, over a whole model step in which no effect acts. */
-static inline void ema_motion_plain_step(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work)
+static inline void ema_motion_plain_step(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work)
 {
     uint32_t left = plant->substeps;
     work->spent += left;
@@ -99,5 +100,30 @@ static inline void ema_motion_arrive(const ema_plant_t* plant, ema_state_t* stat
         state->rod_mm = state->play_mm;
     }
 }
+
+/* With a drive that passes its output on with a delay: keeps the output; what is applied at the start of the model step
+ * goes to the work. */
+void ema_delayed_output(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real output);
+
+/* The model step with such a drive: first what was asked before, over its share, then what was asked later; each in as
+ * many integration steps as a whole one. */
+void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work);
+
+/* The forces at a point of the work's segment, into the work's `forces`. All of them at its own start; at any other the
+ * levels that hold a shaft at rest are left out, and a dry friction that nothing changes on the way is the one at the
+ * start. Who asks counts it as EMA_WORK_FORCES. */
+void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work,
+                   const ema_point_t* point);
+
+/* Opens the work's segment at the state, over the work's span: the forces at its start, held over it until its end is
+ * known. */
+void ema_segment_open(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work);
+
+/* Lets the forces rise evenly to those at the predicted end. The span's torque is then what has come to that at the
+ * start: the reaction of what lies behind the play. */
+void ema_segment_correct(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work);
+
+/* Adds to the segment's end what the work's span drives by the responses in the columns `from` to `to`. */
+void ema_segment_respond(int32_t motion, ema_step_scratch_t* work, uint32_t from, uint32_t to);
 
 #endif

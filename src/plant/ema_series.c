@@ -1,10 +1,10 @@
-#include "ema_series.h"
+#include "plant/ema_series.h"
 
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 _Static_assert((sizeof(ema_response_t) == (EMA_RESPONSES * sizeof(ema_real)))
                    && ((size_t)offsetof(ema_response_t, from_current) == (size_t)offsetof(ema_span_t, current_A))
@@ -114,7 +114,7 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower)
     return root;
 }
 
-void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end)
+void ema_series_end(const ema_plant_t* plant, ema_step_scratch_t* work, ema_point_t* end)
 {
     ema_series_t* const series = &work->series;
     work->spent += EMA_WORK_SERIES;
@@ -125,7 +125,8 @@ void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end
     end->angle_rad = ema_series_at(work->terms, EMA_R(1.0));
 }
 
-void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s)
+void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_step_scratch_t* work,
+                           ema_real span_s)
 {
     /* bend and twist are of use where a whole step is tried alone */
     const uint32_t columns = ema_tries_whole(plant) ? EMA_RESPONSES : EMA_RESPONSES_EVEN;

@@ -4,7 +4,7 @@
 #ifndef EMA_SERIES_H
 #define EMA_SERIES_H
 
-#include "ema/ema_work.h"
+#include "ema/detail/ema_step_scratch.h"
 
 /* Rate of the fastest linear motion times the span that the series is built for, at most; the first term left out is
  * then below the number type's resolution. */
@@ -24,9 +24,10 @@ ema_real ema_series_root(const ema_real* terms, ema_real lower);
 
 /* The series of the work's circuit over its span, that of the angle in its `terms`; and where they end, the angle from
  * the start of the span. */
-void ema_series_end(const ema_plant_t* plant, ema_work_t* work, ema_point_t* end);
+void ema_series_end(const ema_plant_t* plant, ema_step_scratch_t* work, ema_point_t* end);
 
 /* Prepares the exact responses of the work's circuit over `span_s`. */
-void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_work_t* work, ema_real span_s);
+void ema_responses_prepare(ema_responses_t* responses, const ema_plant_t* plant, ema_step_scratch_t* work,
+                           ema_real span_s);
 
 #endif

@@ -1,13 +1,13 @@
-#include "ema_tick.h"
+#include "plant/ema_run.h"
 
-#include "ema_delayed.h"
-#include "ema_drive.h"
-#include "ema_effect_sites.h"
-#include "ema_encoder.h"
-#include "ema_motion.h"
-#include "ema_pid.h"
+#include "blocks/ema_drive.h"
+#include "blocks/ema_encoder.h"
+#include "blocks/ema_pid.h"
+#include "effects/ema_effect_sites.h"
+#include "plant/ema_motion.h"
 
-void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_work_t* work, ema_real command_mm, ema_output_t* row)
+void ema_tick(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work, ema_real command_mm,
+              ema_output_t* row)
 {
     ema_real position_mm = ema_encoder_rod(&plant->encoder, state->rod_mm);
     if (ema_acts_on_reading(plant)) {

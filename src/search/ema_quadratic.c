@@ -1,8 +1,8 @@
-#include "ema_quadratic.h"
+#include "search/ema_quadratic.h"
 
-#include "ema_copy.h"
-#include "ema_linear.h"
-#include "ema_math.h"
+#include "base/ema_copy.h"
+#include "base/ema_linear.h"
+#include "base/ema_math.h"
 
 #define EMA_FULL_DIMENSION_MAX 4U
 

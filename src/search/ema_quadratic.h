@@ -2,7 +2,7 @@
 #ifndef EMA_QUADRATIC_H
 #define EMA_QUADRATIC_H
 
-#include "ema/ema_annealer.h"
+#include "ema/detail/ema_annealer.h"
 
 /* Number of unknowns in `dimension` dimensions; a fit wants somewhat more points. */
 uint32_t ema_quadratic_unknowns(uint32_t dimension);

@@ -2,8 +2,13 @@
 
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_scoring.h"
+#include "base/ema_bounds.h"
+#include "base/ema_compiler.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_run_begin.h"
+#include "session/ema_scoring.h"
+#include "session/ema_session_search.h"
 
 static const ema_finding_t ema_no_finding = {
     .kind = EMA_FINDING_NONE, .effect = EMA_EFFECT_COUNT, .runner_up = EMA_EFFECT_COUNT};
@@ -72,7 +77,7 @@ static void ema_guarded_ended(ema_guarded_t* guarded)
     if (ema_guarded_placed(guarded)) {
         guarded->finding = ema_no_finding;
         if (ema_scoring_start(&guarded->session, guarded->signatures) == EMA_OK) {
-            guarded->phase = EMA_GUARDED_LOOKING;
+            guarded->phase = EMA_PHASE_SCREENING;
         }
     }
 }
@@ -80,7 +85,7 @@ static void ema_guarded_ended(ema_guarded_t* guarded)
 /* Makes at most `steps` model steps beside the table: before the session, or after its result is kept. */
 static void ema_guarded_score(ema_guarded_t* guarded, uint32_t steps)
 {
-    const bool looking = guarded->phase == EMA_GUARDED_LOOKING;
+    const bool looking = guarded->phase == EMA_PHASE_SCREENING;
     uint64_t* const model_steps = looking ? &guarded->result.model_steps : &guarded->session.model_steps;
     uint32_t* const evaluations = looking ? &guarded->result.evaluations : &guarded->session.evaluations;
     *model_steps += ema_scoring_run(&guarded->session, steps);
@@ -124,7 +129,7 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         status = EMA_ERR_RANGE;
     }
     if (status == EMA_OK) {
-        if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_GUARDED_LOOKING)) {
+        if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_PHASE_SCREENING)) {
             ema_guarded_score(guarded, steps);
         } else if (guarded->phase != EMA_GUARDED_DONE) {
             /* the session's own runs, from here, where the stack is lowest */
@@ -148,7 +153,7 @@ ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* resu
     if ((guarded == NULL) || (result == NULL)) {
         return EMA_ERR_NULL;
     }
-    const bool ended = (guarded->phase == EMA_GUARDED_LOOKING) || (guarded->phase == EMA_GUARDED_DONE);
+    const bool ended = (guarded->phase == EMA_PHASE_SCREENING) || (guarded->phase == EMA_GUARDED_DONE);
     ema_status_t status = EMA_OK;
     if (ended) {
         ema_copy(result, &guarded->result, sizeof *result);
@@ -157,7 +162,7 @@ ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* resu
     }
     if ((status == EMA_OK) && (guarded->signatures != NULL) && ended) {
         const ema_finding_kind_t kind = guarded->finding.kind;
-        if (guarded->phase == EMA_GUARDED_LOOKING) {
+        if (guarded->phase == EMA_PHASE_SCREENING) {
             result->reasons |= (uint32_t)EMA_REASON_NOT_FINISHED;
         } else if (kind == EMA_FINDING_NONE) {
             result->reasons |= (uint32_t)EMA_REASON_OTHER_COMMAND;
@@ -171,6 +176,114 @@ ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* resu
     }
     if ((status == EMA_OK) && (finding != NULL)) {
         *finding = (guarded->phase == EMA_GUARDED_DONE) ? guarded->finding : ema_no_finding;
+    }
+    return status;
+}
+
+ema_status_t ema_guarded_adopt(ema_guarded_t* guarded, uint32_t rows)
+{
+    if (guarded == NULL) {
+        return EMA_ERR_NULL;
+    }
+    return (guarded->phase == EMA_GUARDED_FEEDING) ? ema_session_adopt(&guarded->session, rows) : EMA_ERR_ORDER;
+}
+
+ema_status_t ema_guarded_gap(ema_guarded_t* guarded)
+{
+    if (guarded == NULL) {
+        return EMA_ERR_NULL;
+    }
+    return (guarded->phase == EMA_GUARDED_FEEDING) ? ema_session_gap(&guarded->session) : EMA_ERR_ORDER;
+}
+
+/* Temperature at a start that was placed, over the objective at the healthy values: from there the search still leaves
+ * a start that is wrong. */
+#define EMA_START_WARMTH EMA_R(0.001)
+
+/* The table is linear in CSJ and BLK: farther than to half or twice the healthy value its shifts are not followed. */
+#define EMA_START_LOWER EMA_R(0.5)
+#define EMA_START_UPPER EMA_R(2.0)
+
+EMA_NOINLINE ema_status_t ema_scoring_start(ema_session_t* session, const ema_signatures_t* table)
+{
+    if (session->record.count < EMA_ROWS_MIN) {
+        return EMA_ERR_SHORT;
+    }
+    if (session->phase == EMA_PHASE_FEEDING) {
+        ema_copy(&session->actuator, session->config->actuator, sizeof session->actuator);
+    } else if (session->phase == EMA_PHASE_DONE) {
+        ema_session_search_move(session, session->annealer.best.x);
+    } else {
+        return EMA_ERR_ORDER;
+    }
+    /* the table's checksum is of the actuator as it was exported: the run's own may have today's grease and winding */
+    ema_status_t status = ema_onboard_check(table, session->config->actuator, &session->record);
+    if (status == EMA_OK) {
+        status = ema_onboard_begin(&session->scoring, table, &session->actuator, &session->record,
+                                   ema_session_search_start_mm(session));
+    }
+    if (status == EMA_OK) {
+        ema_model_learned(&session->scoring.model, session->config->actuator);
+    }
+    return status;
+}
+
+EMA_NOINLINE uint32_t ema_scoring_run(ema_session_t* session, uint32_t steps)
+{
+    /* a copy reads its own record */
+    session->scoring.cursor.record = &session->record;
+    return ema_onboard_run(&session->scoring, steps);
+}
+
+EMA_NOINLINE bool ema_scoring_ended(const ema_session_t* session, ema_finding_t* finding)
+{
+    return ema_onboard_result(&session->scoring, finding) == EMA_OK;
+}
+
+EMA_NOINLINE void ema_session_place_start(ema_session_t* session, const ema_real value[EMA_IDENTIFIED_MAX])
+{
+    ema_real start[EMA_IDENTIFIED_MAX];
+    for (uint32_t i = 0; i < session->config->identified_count; ++i) {
+        const ema_identified_t* const identified = &session->config->identified[i];
+        start[i] =
+            ema_clamp((value[i] - identified->lower) / (identified->upper - identified->lower), EMA_R(0.0), EMA_R(1.0));
+    }
+    (void)ema_annealer_restart(&session->annealer, start, session->annealer.config.initial_temperature);
+    session->starts_healthy = false;
+}
+
+EMA_NOINLINE void ema_scoring_place(ema_session_t* session, const ema_finding_t* finding)
+{
+    const ema_session_config_t* const config = session->config;
+    const ema_signatures_t* const table = session->scoring.scores.table;
+    ema_real start[EMA_IDENTIFIED_MAX] = {0};
+    for (uint32_t i = 0; i < config->identified_count; ++i) {
+        const ema_real value = ema_value_of(config->actuator, config->identified[i].id);
+        start[i] = value;
+        for (uint32_t k = 0; k < table->faults; ++k) {
+            if (table->fault[k].id == config->identified[i].id) {
+                start[i] = ema_clamp(value + finding->moved[k], EMA_START_LOWER * value, EMA_START_UPPER * value);
+            }
+        }
+    }
+    ema_session_place_start(session, start);
+}
+
+EMA_NOINLINE ema_status_t ema_session_run_placed(ema_session_t* session, uint32_t steps)
+{
+    uint32_t slice = steps;
+    if (!session->healthy_done) {
+        const uint32_t total = session->record.count * (uint32_t)session->config->actuator->options.record_every_steps;
+        const uint32_t made = (session->phase == EMA_PHASE_FEEDING) ? 0U : session->run.model.state.step;
+        const uint32_t left = (made < total) ? (total - made) : 1U;
+        slice = (steps < left) ? steps : left;
+    }
+    const ema_status_t status = ema_session_run(session, slice);
+    ema_annealer_t* const annealer = &session->annealer;
+    if (session->healthy_done && (annealer->info.evaluations == 0U)) {
+        const ema_annealer_config_t* const config = &annealer->config;
+        const ema_real warm = ema_max(EMA_START_WARMTH * session->healthy_cost, config->function_tolerance);
+        (void)ema_annealer_restart(annealer, config->start, ema_min(warm, config->initial_temperature));
     }
     return status;
 }

@@ -1,10 +1,9 @@
-#include "ema_image_layout.h"
-
 #include <string.h>
 
-#include "ema_bytes.h"
-#include "ema_copy.h"
-#include "ema_crc.h"
+#include "base/ema_bytes.h"
+#include "base/ema_copy.h"
+#include "ema/ema_image.h"
+#include "session/ema_image_layout.h"
 
 /* What an image is read in place by: the structures of a build in float32 are the image's own. */
 #if !EMA_REAL64
@@ -349,4 +348,21 @@ ema_image_status_t ema_image_copy(const uint8_t* bytes, size_t length, uint32_t 
         ema_image_arrays(&from, table, &unit->signatures);
     }
     return status;
+}
+
+const char* ema_image_text(ema_image_status_t status)
+{
+    const char* text;
+    switch (status) {
+#define EMA_IMAGE_CASE(name, value, message)                                                                           \
+    case (name):                                                                                                       \
+        text = (message);                                                                                              \
+        break;
+        EMA_IMAGE_STATUS_LIST(EMA_IMAGE_CASE)
+#undef EMA_IMAGE_CASE
+    default:
+        text = "unknown status";
+        break;
+    }
+    return text;
 }

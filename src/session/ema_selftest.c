@@ -6,12 +6,12 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "ema/ema_annealer.h"
-#include "ema/ema_random.h"
+#include "ema/detail/ema_annealer.h"
+#include "ema/detail/ema_random.h"
 
-#include "ema_bounds.h"
-#include "ema_math.h"
-#include "ema_selftest_known.h"
+#include "base/ema_bounds.h"
+#include "base/ema_math.h"
+#include "session/ema_selftest_known.h"
 
 #define EMA_SELFTEST_STEPS 700U
 /* Steps from one end of the motion to the other, and how far apart they are. */

@@ -2,15 +2,14 @@
 
 #include <stddef.h>
 
-#include "ema_assess.h"
-#include "ema_bounds.h"
-#include "ema_choice.h"
-#include "ema_copy.h"
-#include "ema_math.h"
-#include "ema_record_row.h"
-#include "ema_runs.h"
-#include "ema_today.h"
-#include "ema_verdict.h"
+#include "base/ema_bounds.h"
+#include "base/ema_choice.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
+#include "ident/ema_record_row.h"
+#include "session/ema_session_search.h"
+#include "session/ema_temperature_correction.h"
+#include "session/ema_verdict.h"
 
 /* Farther from the ground test's mean speed a command is another one: rounding, and a rest before or after, are less.
  */
@@ -179,7 +178,7 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         if (session->record.count < EMA_ROWS_MIN) {
             return EMA_ERR_SHORT;
         }
-        status = ema_runs_begin(session);
+        status = ema_session_search_begin(session);
         if (status == EMA_OK) {
             session->phase = EMA_PHASE_SEARCHING;
         }
@@ -192,7 +191,7 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         left = (left > spent) ? (left - spent) : 0U;
         session->model_steps += session->run.model.state.step - before;
         if ((state != EMA_OBJECTIVE_RUNNING) && ((left >= EMA_RUN_STEPS) || (left == steps))) {
-            status = ema_runs_next(session);
+            status = ema_session_search_next(session);
             if (ema_annealer_outcome(&session->annealer) != EMA_OUTCOME_ACTIVE) {
                 ema_assess_start(session);
             }
@@ -263,7 +262,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
         estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
     }
-    ema_today(config, result);
+    ema_temperature_correction(config, result);
     result->objective_before = session->healthy_cost;
     result->objective_after = session->annealer.best.cost;
     result->residual_rms_mm = assessed.residual_rms_mm;
@@ -289,4 +288,149 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         result->reasons = (uint32_t)EMA_REASON_NOT_FINISHED;
     }
     return EMA_OK;
+}
+
+static bool ema_session_feeds(const ema_session_t* session)
+{
+    return (session->config != NULL) && (session->phase == EMA_PHASE_FEEDING);
+}
+
+ema_status_t ema_session_adopt(ema_session_t* session, uint32_t rows)
+{
+    if (session == NULL) {
+        return EMA_ERR_NULL;
+    }
+    return ema_session_feeds(session) ? ema_record_adopt(&session->record, rows) : EMA_ERR_ORDER;
+}
+
+ema_status_t ema_session_gap(ema_session_t* session)
+{
+    if (session == NULL) {
+        return EMA_ERR_NULL;
+    }
+    if (!ema_session_feeds(session)) {
+        return EMA_ERR_ORDER;
+    }
+    session->gap = true;
+    return EMA_OK;
+}
+
+/* What temperature makes of the healthy value: copper by 0.4 % and grease by 3 % a degree, some 50 degrees either way.
+ */
+#define EMA_GREASE_LOWER EMA_R(0.3)
+#define EMA_GREASE_UPPER EMA_R(3.0)
+#define EMA_WINDING_LOWER EMA_R(0.8)
+#define EMA_WINDING_UPPER EMA_R(1.25)
+
+/* No shift is a fault. */
+#define EMA_ANY_SHIFT_PERCENT EMA_R(1.0e6)
+
+static void ema_day_add(ema_session_config_t* config, ema_value_id_t id, ema_real healthy, ema_real lower,
+                        ema_real upper)
+{
+    if (healthy > EMA_R(0.0)) {
+        const ema_identified_t added = {id, lower * healthy, upper * healthy, EMA_ANY_SHIFT_PERCENT};
+        config->identified[config->identified_count] = added;
+        ++config->identified_count;
+    }
+}
+
+ema_status_t ema_session_config_day(ema_session_config_t* config)
+{
+    if ((config == NULL) || (config->actuator == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    const ema_params_t* const params = &config->actuator->params;
+    if (config->actuator->options.day_values == 0) {
+        return EMA_OK;
+    }
+    const uint32_t before = config->identified_count;
+    if ((before < 1U) || ((before + 2U) > EMA_IDENTIFIED_MAX)) {
+        return EMA_ERR_RANGE;
+    }
+    ema_day_add(config, EMA_VALUE_ID(viscous_Nm_s_per_rad), params->viscous_Nm_s_per_rad, EMA_GREASE_LOWER,
+                EMA_GREASE_UPPER);
+    ema_day_add(config, EMA_VALUE_ID(resistance_ohm), params->resistance_ohm, EMA_WINDING_LOWER, EMA_WINDING_UPPER);
+    config->annealer.stall_evaluations = (config->annealer.stall_evaluations / before) * config->identified_count;
+    return EMA_OK;
+}
+
+uint32_t ema_session_check(const ema_session_config_t* config)
+{
+    if ((config == NULL) || (config->actuator == NULL)) {
+        return 0U;
+    }
+    const ema_params_t* const params = &config->actuator->params;
+    ema_annealer_config_t annealer;
+    ema_copy(&annealer, &config->annealer, sizeof annealer);
+    annealer.dimension =
+        (config->identified_count < EMA_IDENTIFIED_MAX) ? config->identified_count : EMA_IDENTIFIED_MAX;
+    for (uint32_t i = 0; config->start_at_healthy && (i < annealer.dimension); ++i) {
+        const ema_identified_t* const identified = &config->identified[i];
+        ema_real healthy = EMA_R(0.0);
+        (void)ema_actuator_get(config->actuator, identified->id, &healthy);
+        annealer.start[i] = (healthy - identified->lower) / (identified->upper - identified->lower);
+    }
+    /* with other signals in it the objective's noise is not known here */
+    bool alone = config->weight[EMA_CHANNEL_POSITION] > EMA_R(0.0);
+    for (uint32_t channel = 0; channel < (uint32_t)EMA_CHANNEL_COUNT; ++channel) {
+        alone = alone && ((channel == (uint32_t)EMA_CHANNEL_POSITION) || (config->weight[channel] == EMA_R(0.0)));
+    }
+    const ema_real period_s = params->step_s * (ema_real)config->actuator->options.record_every_steps;
+    const ema_real noise_mm = params->position_noise_mm;
+    const ema_real resolution =
+        alone ? (config->weight[EMA_CHANNEL_POSITION] * noise_mm * noise_mm * period_s) : EMA_R(0.0);
+    return ema_annealer_check(&annealer, resolution);
+}
+
+/* Standard deviations on either side that hold 95 % of a normal distribution. */
+#define EMA_WIDTH_95 EMA_R(1.96)
+
+/* What is not seen is stated as three standard deviations, as a share of a share in %. */
+#define EMA_UNSEEN_STDS EMA_R(3.0e4)
+
+ema_status_t ema_session_half_95(const ema_session_config_t* config, const ema_result_t* result, uint32_t place,
+                                 ema_real* half_95)
+{
+    if ((config == NULL) || (config->actuator == NULL) || (result == NULL) || (half_95 == NULL)) {
+        return EMA_ERR_NULL;
+    }
+    if ((place >= config->identified_count) || (place >= result->identified_count) || (place >= EMA_IDENTIFIED_MAX)) {
+        return EMA_ERR_RANGE;
+    }
+    const ema_identified_t* const identified = &config->identified[place];
+    const ema_estimate_t* const estimate = &result->identified[place];
+    const uint32_t open = (uint32_t)EMA_REASON_NOT_FINISHED | (uint32_t)EMA_REASON_NOT_SENSITIVE;
+    if (((result->reasons & open) != 0U) && !(estimate->std > EMA_R(0.0))) {
+        *half_95 = identified->upper - identified->lower;
+        return EMA_OK;
+    }
+    ema_real healthy = EMA_R(0.0);
+    (void)ema_actuator_get(config->actuator, identified->id, &healthy);
+    const ema_real value = ema_max(ema_abs(estimate->estimate), ema_abs(healthy));
+    const ema_real scatter = (estimate->scatter_percent / EMA_R(100.0)) * value;
+    /* three standard deviations of it, of the healthy value, in ten thousandths */
+    const ema_real unseen =
+        ((config->actuator->params.unseen_percent * identified->min_shift_percent) / EMA_UNSEEN_STDS) * healthy;
+    const ema_real square =
+        ((estimate->std * estimate->std) + (estimate->bias * estimate->bias)) + (scatter * scatter) + (unseen * unseen);
+    *half_95 = EMA_WIDTH_95 * ema_sqrt(square);
+    return EMA_OK;
+}
+
+const char* ema_reason_text(uint32_t reason)
+{
+    const char* text;
+    switch (reason) {
+#define EMA_REASON_CASE(name, bit, message)                                                                            \
+    case (uint32_t)(name):                                                                                             \
+        text = (message);                                                                                              \
+        break;
+        EMA_REASON_LIST(EMA_REASON_CASE)
+#undef EMA_REASON_CASE
+    default:
+        text = "unknown reason";
+        break;
+    }
+    return text;
 }

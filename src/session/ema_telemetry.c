@@ -1,8 +1,7 @@
 #include "ema/ema_telemetry.h"
 
-#include "ema_bytes.h"
-#include "ema_copy.h"
-#include "ema_crc.h"
+#include "base/ema_bytes.h"
+#include "base/ema_copy.h"
 
 /* "EMAT". */
 #define EMA_TELEMETRY_MARK 0x54414D45U

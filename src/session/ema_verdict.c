@@ -1,7 +1,7 @@
-#include "ema_verdict.h"
+#include "session/ema_verdict.h"
 
-#include "ema_bounds.h"
-#include "ema_math.h"
+#include "base/ema_bounds.h"
+#include "base/ema_math.h"
 
 /* A node of a learned table stands for half a distance between nodes on either side of it, a thirtieth of the range. */
 #define EMA_OUTSIDE_MAX EMA_R(0.0334)

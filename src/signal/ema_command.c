@@ -2,8 +2,8 @@
 
 #include <stddef.h>
 
-#include "ema_copy.h"
-#include "ema_math.h"
+#include "base/ema_copy.h"
+#include "base/ema_math.h"
 
 #define EMA_MULTISINE_LINES_MAX 32U
 #define EMA_STEPS_MAX EMA_R(2147483000.0)

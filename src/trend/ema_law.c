@@ -1,7 +1,7 @@
-#include "ema_law.h"
+#include "trend/ema_law.h"
 
+#include "base/ema_math.h"
 #include "ema/ema_trend.h"
-#include "ema_math.h"
 
 #define EMA_POWERS 2U
 #define EMA_GROWTHS 7U

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* The first of them, which do not wear. */
 #define EMA_LAWS_STILL 2U

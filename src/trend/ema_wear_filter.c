@@ -1,8 +1,8 @@
-#include "ema_wear_filter.h"
+#include "trend/ema_wear_filter.h"
 
 #include <stdint.h>
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 /* Variances before any reading, the limit being 1: of the level 0.2, of the rate over the time since the first reading
  * 0.4, of the fading part 0.2, squared. */

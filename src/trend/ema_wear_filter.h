@@ -4,7 +4,7 @@
 #ifndef EMA_WEAR_FILTER_H
 #define EMA_WEAR_FILTER_H
 
-#include "ema/ema_real.h"
+#include "ema/detail/ema_real.h"
 
 /* Level with what walked, rate, fading part. */
 #define EMA_WEAR_STATES 3U

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 #define ROWS 10000U
 #define PAPER_MS 28.5

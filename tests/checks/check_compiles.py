@@ -24,7 +24,7 @@ ROW = re.compile(r"^EMA_EFFECT\((\w+),", re.MULTILINE)
 # Names in the documents of headers that `ema export` writes, and the exported headers of the example firmware.
 EXPORTED = {"ema_actuator_data.h": "ace_actuator.h", "ema_signatures.h": "ace_signatures.h"}
 # Whatever reads rows of effects: their sites, the structures, the ranges of their values.
-ROWS_READ = ("ema_effect_sites.h", "ema_actuator.c")
+ROWS_READ = ("effects/ema_effect_sites.h", "base/ema_actuator.c")
 UNITY = ["-DUNITY_INCLUDE_DOUBLE", "-DUNITY_SUPPORT_64"]
 COMMON = ["-std=c11", "-fsyntax-only", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
 
@@ -33,7 +33,7 @@ def include_flags(root: Path) -> list[str]:
     """Search path of a file of the module."""
     folders = [
         root / "include",
-        *sorted(path for path in (root / "src").glob("*") if path.is_dir()),
+        root / "src",
         root / "port" / "host",
         root / "port" / "desk",
     ]
@@ -117,6 +117,7 @@ def snippet_errors(root: Path, compiler: str, exported: Path, also: list[str], f
     if rows:
         (folder / "own_effects.def").write_text("\n".join(rows), encoding="utf-8")
         flags.append('-DEMA_OWN_EFFECTS="own_effects.def"')
+        flags.append("-DEMA_CONFIG_SCHEMA=0U")  # as CMake gives it for other lists; nothing is linked here
         units.insert(0, "".join(f'#include "{name}"\n' for name in ROWS_READ))
     for number, text in enumerate(units):
         unit = folder / f"snippet_{number}.c"

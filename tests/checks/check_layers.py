@@ -53,8 +53,7 @@ def check(root: Path) -> tuple[list[str], int]:
 
     def resolve(path: Path, name: str) -> Path | None:
         beside = path.parent / name
-        candidates = [beside, root / "include" / name]
-        candidates += sorted((root / "src").glob(f"*/{name}")) + sorted((root / "port").glob(f"*/{name}"))
+        candidates = [beside, root / "include" / name, root / "src" / name, *sorted((root / "port").glob(f"*/{name}"))]
         return next((candidate.resolve() for candidate in candidates if candidate.is_file()), None)
 
     for path in files:

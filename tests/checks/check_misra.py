@@ -93,7 +93,7 @@ def kind(rule: str) -> str:
 
 def run_addon(cppcheck: str, root: Path, definition: str, jobs: int) -> tuple[set[Finding], set[str], list[str]]:
     """Findings of one precision, the files that were looked at, and what kept the tool from its work."""
-    folders = [root / "include", *sorted(path for path in (root / "src").glob("*") if path.is_dir())]
+    folders = [root / "include", root / "src"]
     with tempfile.TemporaryDirectory() as name:
         work = Path(name).resolve()
         (work / "texts.txt").write_text(rule_texts(), encoding="utf-8")

@@ -113,14 +113,14 @@ class Layers(Tree):
             ("include/ema/ema_search.h", '#include "ema/ema_real.h"\n'),
             ("src/base/ema_math.h", '#include <math.h>\n#include "ema/ema_real.h"\n'),
             ("src/base/ema_note.c", '/*\n#include "ema/ema_model.h"\n*/\n'),
-            ("src/blocks/ema_motor.h", '#include "ema_math.h"\n'),
+            ("src/blocks/ema_motor.h", '#include "base/ema_math.h"\n'),
             ("src/plant/ema_inner.h", ""),
-            ("src/plant/ema_model.c", '#include "ema/ema_model.h"\n#include "ema_motor.h"\n#include <string.h>\n'),
-            ("src/search/ema_search.c", '#include "ema/ema_search.h"\n#include "ema_math.h"\n'),
+            ("src/plant/ema_model.c", '#include "ema/ema_model.h"\n#include "blocks/ema_motor.h"\n#include <string.h>\n'),
+            ("src/search/ema_search.c", '#include "ema/ema_search.h"\n#include "base/ema_math.h"\n'),
             ("src/ident/ema_ident.c", '#include "ema/ema_model.h"\n#include "ema/ema_search.h"\n'),
             ("port/host/main.c", '#include <stdio.h>\n#include "ema/ema_model.h"\n#include "csv.h"\n'),
             ("port/host/csv.h", ""),
-            ("port/desk/desk.c", '#include "ema_motor.h"\n'),
+            ("port/desk/desk.c", '#include "blocks/ema_motor.h"\n'),
         ):
             self.write(path, text)
 
@@ -132,11 +132,11 @@ class Layers(Tree):
         """One more file each, and the one problem that it makes."""
         for path, text, said in (
             ("src/blocks/ema_pid.c", '#include "ema/ema_model.h"\n', "src/blocks/ema_pid.c: level blocks sees ema_model.h of level plant"),
-            ("src/search/ema_anneal.c", '#include "ema_motor.h"\n', "level search sees ema_motor.h of level blocks"),
+            ("src/search/ema_anneal.c", '#include "blocks/ema_motor.h"\n', "level search sees ema_motor.h of level blocks"),
             ("src/base/ema_io.c", '#include "csv.h"\n', "src/base/ema_io.c:1: the module includes port/host"),
-            ("port/host/blocks.c", '\n#include "ema_motor.h"\n', "port/host/blocks.c:2: a port includes the private header ema_motor.h"),
-            ("port/desk/inner.c", '#include "ema_inner.h"\n', "port/desk/inner.c:1: a port includes the private header ema_inner.h"),
-            ("include/ema/ema_extra.h", '#include "ema_math.h"\n', "a public header includes src/base"),
+            ("port/host/blocks.c", '\n#include "blocks/ema_motor.h"\n', "port/host/blocks.c:2: a port includes the private header blocks/ema_motor.h"),
+            ("port/desk/inner.c", '#include "plant/ema_inner.h"\n', "port/desk/inner.c:1: a port includes the private header plant/ema_inner.h"),
+            ("include/ema/ema_extra.h", '#include "base/ema_math.h"\n', "a public header includes src/base"),
             ("src/base/ema_log.c", "#include <stdio.h>\n", "src/base/ema_log.c:1: <stdio.h> is not for the module"),
             ("src/base/ema_log.c", "#include <math.h>\n", "<math.h>"),
             ("src/base/ema_odd.c", '#include "nowhere.h"\n', "src/base/ema_odd.c:1: nowhere.h is no header of the project"),
@@ -349,9 +349,9 @@ class Compiles(Tree):
         read = '#define EMA_EFFECT(name, field) typedef struct { int field; } ema_##name##_t;\n#include "ema/ema_effects.def"\n#undef EMA_EFFECT\n'
         self.write("include/ema/ema_effects.def", "EMA_EFFECT(drag, size)\n#ifdef EMA_OWN_EFFECTS\n#include EMA_OWN_EFFECTS\n#endif\n")
         self.write("src/effects/ema_effect_sites.h", f"#ifndef SITES_H\n#define SITES_H\n{read}#endif\n")
-        self.write("src/base/ema_actuator.c", '#include "ema_effect_sites.h"\nextern int ema_actuator_check;\n')
+        self.write("src/base/ema_actuator.c", '#include "effects/ema_effect_sites.h"\nextern int ema_actuator_check;\n')
         row = "```c\nEMA_EFFECT(drag, force)\n```\n"
-        code = '\n```c\n#include "ema_effect_sites.h"\nint f(const ema_drag_t* drag);\nint f(const ema_drag_t* drag)\n{\n    return drag->force;\n}\n```\n'
+        code = '\n```c\n#include "effects/ema_effect_sites.h"\nint f(const ema_drag_t* drag);\nint f(const ema_drag_t* drag)\n{\n    return drag->force;\n}\n```\n'
         self.write("README.md", "no C\n")
         self.assertEqual(self.snippets(page=row + code), [])
         self.assertEqual(len(self.snippets(page=row + code.replace("->force", "->size"))), 2)

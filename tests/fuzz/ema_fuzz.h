@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ema/ema_actuator.h"
+#include "ema/ema.h"
 
 /* libFuzzer calls this with every input; it answers 0. */
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);

@@ -1,6 +1,6 @@
 /* An actuator and a session configured with any numbers: a status, or a model whose every row is finite or says that it
  * diverged. */
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_fuzz.h"
 
 #define STEPS 10U

@@ -1,6 +1,6 @@
 /* Effects with any values of their ranges, several at once: every row is finite or the model says that it diverged; an
  * effect at zero is not there, bit for bit; a copy goes on as the model itself does. */
-#include "ema/ema_model.h"
+#include "ema/ema.h"
 #include "ema_fuzz.h"
 
 #define STEPS 16U

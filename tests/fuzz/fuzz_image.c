@@ -1,7 +1,6 @@
 /* Images of configurations and packed results with any bytes: a reason, or units whose parts lie inside the image and
  * whose values are in range. */
-#include "ema/ema_guarded.h"
-#include "ema/ema_telemetry.h"
+#include "ema/ema.h"
 #include "ema_fuzz.h"
 #include "ema_image_rig.h"
 

@@ -1,7 +1,7 @@
 /* Samples, call order and slices of the session: whatever is asked of it in between, and however often it is copied,
  * put back or begun anew, the answer is the bits that one straight run gives; a call out of place answers its status
  * and changes nothing. */
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_fuzz.h"
 
 #define ROWS_MAX 112U

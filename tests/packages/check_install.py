@@ -72,9 +72,9 @@ def check(arguments: argparse.Namespace) -> str:
     by_pkg_config = run([project / "by_pkg_config"], work)
     expect(by_cmake == by_pkg_config, f"by pkg-config {by_pkg_config}, by find_package {by_cmake}")
     ways = "find_package, pkg-config"
-    asked = (project / "headers.cpp").read_text(encoding="utf-8")
-    left = sorted(header.name for header in moved.rglob("ema_*.h") if f'"ema/{header.name}"' not in asked)
-    expect(not left, f"headers.cpp does not include {', '.join(left)}: add them")
+    reached = run([compiler, "-std=c11", "-M", "main.c", *shlex.split(flags)], project)
+    missing = sorted(header.name for header in moved.rglob("ema_*.h") if header.name not in reached)
+    expect(not missing, f"ema/ema.h does not include {', '.join(missing)}: add them")
     if shutil.which("c++"):
         run(
             ["c++", "-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "headers.cpp", *shlex.split(flags), "-o", "from_cpp"],

@@ -13,6 +13,9 @@ from pathlib import Path
 
 from outside import PackageError, expect, main, run
 
+# What only benchmarks and tests use.
+WORKSHOP = {"benchmarks", "truth", "reference", "reference_model", "vectors", "tests"}
+
 # Where the installed package and all that it loaded lie, one a line.
 WHERE = """
 import ema_tools
@@ -46,6 +49,11 @@ def built(root: Path, work: Path) -> Path:
     }
     missing = sorted(wanted - held)
     expect(not missing, f"the wheel lacks {', '.join(missing[:5])}")
+    # benchmarks, truth plant, reference model, vectors and tests stay in the project
+    built_here = ("ema_tools/lib/", wheels[0].name.split("-py3")[0] + ".dist-info/")
+    foreign = sorted(name for name in held - wanted if not name.startswith(built_here))
+    foreign += sorted(name for name in held if not WORKSHOP.isdisjoint(Path(name).parts))
+    expect(not foreign, f"the wheel holds what is not shipped: {', '.join(foreign[:5])}")
     return wheels[0]
 
 

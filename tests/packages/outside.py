@@ -93,7 +93,7 @@ def bits_of_sources(root: Path, work: Path) -> str:
     for name in ("include", "src"):
         shutil.copytree(root / name, copy / name)
     return bits(
-        work, sorted(copy.glob("src/*/*.c")), [copy / "include", *sorted(copy.glob("src/*"))], ["-ffp-contract=off", "-fno-math-errno"]
+        work, sorted(copy.glob("src/*/*.c")), [copy / "include", copy / "src"], ["-ffp-contract=off", "-fno-math-errno"]
     )
 
 

@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-#include "ema/ema_real.h"
+#include "ema/ema.h"
 
 /*@ assigns \result \from a, b;
   @ behavior known: assumes !\is_NaN(b); ensures !\is_NaN(\result);

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 
 static int wrong;
 

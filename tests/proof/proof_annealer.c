@@ -2,7 +2,7 @@
  * costs, temperatures, steps and in the fit's memory, NaN too. Assumed of the state: the number of points kept is one
  * that is kept, the walk's coordinate is one of the search's, and the points lie in the box; that they still do
  * afterwards is asserted, so both hold for a whole search. */
-#include "ema_quadratic.h"
+#include "search/ema_quadratic.h"
 #include "states.h"
 
 static ema_annealer_t annealer;

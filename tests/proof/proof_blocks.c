@@ -7,15 +7,13 @@
  * or at least the shortest step over 64 integration steps of reach 1.7 each. */
 #include "states.h"
 
-#include "ema_drive.h"
-#include "ema_effect_sites.h"
-#include "ema_encoder.h"
-#include "ema_forces.h"
-#include "ema_gearbox.h"
-#include "ema_motor.h"
-#include "ema_pid.h"
-#include "ema_screw.h"
-#include "ema_table.h"
+#include "blocks/ema_drive.h"
+#include "blocks/ema_encoder.h"
+#include "blocks/ema_mechanics.h"
+#include "blocks/ema_pid.h"
+#include "effects/ema_effect_sites.h"
+#include "effects/ema_table.h"
+#include "plant/ema_motion.h"
 
 #define EMA_BOX_CURRENT_A 1.0e8f
 #define EMA_BOX_SPEED_RAD_S 1.0e8f
@@ -33,7 +31,7 @@ static ema_options_t options;
 static ema_effects_t effects;
 static ema_plant_t plant;
 static ema_state_t state;
-static ema_work_t work;
+static ema_step_scratch_t work;
 
 static ema_real ema_within(ema_real size)
 {

@@ -3,7 +3,7 @@
 #define EMA_PROOF_STATES_H
 
 #include "__fc_builtin.h"
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 /* The analysis has no body of its own for it. */
 ema_real fabsf(ema_real x)

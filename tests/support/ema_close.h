@@ -11,7 +11,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "ema/ema_real.h"
+#include "ema/ema.h"
 #include "unity.h"
 
 /* What an array comparison found. */

@@ -3,7 +3,7 @@
 #ifndef EMA_FINGERPRINT_H
 #define EMA_FINGERPRINT_H
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "unity.h"
 
 #define FINGERPRINT_ROWS 4000U

@@ -2,7 +2,7 @@
 #ifndef EMA_IMAGE_RIG_H
 #define EMA_IMAGE_RIG_H
 
-#include "ema/ema_image.h"
+#include "ema/ema.h"
 
 /* A unit to write; `table` may be NULL. */
 typedef struct {

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "ema/ema_random.h"
+#include "ema/ema.h"
 
 static ema_random_t sweep;
 

@@ -2,8 +2,7 @@
 #ifndef EMA_RIG_H
 #define EMA_RIG_H
 
-#include "ema/ema_model.h"
-#include "ema/ema_record.h"
+#include "ema/ema.h"
 #include "ema_close.h"
 
 /* A tolerance or a count that differs between the two builds. */

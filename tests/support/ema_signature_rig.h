@@ -3,8 +3,7 @@
 #ifndef EMA_SIGNATURE_RIG_H
 #define EMA_SIGNATURE_RIG_H
 
-#include "ema/ema_onboard.h"
-#include "ema/ema_random.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define EMA_TABLE_RECORD_ROWS 2000U

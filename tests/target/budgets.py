@@ -530,7 +530,7 @@ def worst_section(found: Measured) -> list[str]:
     lines = [
         "## The longest slice",
         "",
-        "The work of a slice is counted in plain steps: a model step is one, and what has to be located in it, or asked of effects, counts besides as much as it takes (`ema_work.h`). A slice",
+        "The work of a slice is counted in plain steps: a model step is one, and what has to be located in it, or asked of effects, counts besides as much as it takes (`ema_step_scratch.h`). A slice",
         "ends with the step that reaches its length. Looked for with every effect, free and with the highest friction of a search, under the chirp's quick end, a jump from end to end in every step,",
         "noise over the whole travel, a square wave, a dither and long drives against the ends of travel; and in whole sessions on records of noise, of a rod at rest, and spoilt in every way",
         f"of [FAULTS](FAULTS.md) that is not refused: {len(worst.fed())} kinds of records, with and without standing effects; the {SHOWN_SESSIONS} with the longest slices of each are shown.",

@@ -133,7 +133,7 @@ class Build:
         folders = [
             *([] if self.machine.board else [self.root / "tests/target/counted"]),
             self.root / "include",
-            *sorted(path for path in (self.root / "src").iterdir() if path.is_dir()),
+            self.root / "src",
             self.root / "tests/target",
             self.root / "port/cortex_m",
             self.exported,

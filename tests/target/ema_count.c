@@ -11,11 +11,7 @@
 
 #include "ace_actuator.h"
 #include "ace_signatures.h"
-#include "ema/ema_guarded.h"
-#include "ema/ema_least_squares.h"
-#include "ema/ema_selftest.h"
-#include "ema/ema_sensitivity.h"
-#include "ema/ema_trend.h"
+#include "ema/ema.h"
 #include "ema_counter.h"
 #include "ema_recorded.h"
 

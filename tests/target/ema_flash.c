@@ -1,5 +1,5 @@
 /* The smallest firmware that identifies: what it links beyond this file is the module's share of flash. */
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 extern const ema_actuator_t ema_flash_actuator;
 extern const ema_sample_t ema_flash_sample;

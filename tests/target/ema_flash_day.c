@@ -1,6 +1,6 @@
 /* The smallest firmware that identifies with a unit's own model, grease and winding of the day beside CSJ and BLK: what
  * it links beyond ema_flash.c is the price of these. */
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 extern const ema_actuator_t ema_flash_actuator;
 extern const ema_sample_t ema_flash_sample;

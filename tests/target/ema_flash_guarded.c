@@ -1,6 +1,6 @@
 /* The smallest firmware that identifies behind a table of signatures: what it links beyond ema_flash.c is the price of
  * the guard, table apart. */
-#include "ema/ema_guarded.h"
+#include "ema/ema.h"
 
 extern const ema_actuator_t ema_flash_actuator;
 extern const ema_sample_t ema_flash_sample;

@@ -1,7 +1,6 @@
 /* The smallest firmware that also searches several values by least squares, on the session's record: what it links
  * beyond ema_flash.c is the price of it. */
-#include "ema/ema_least_squares.h"
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 extern const ema_actuator_t ema_flash_actuator;
 extern const ema_sample_t ema_flash_sample;

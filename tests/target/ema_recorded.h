@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 #define EMA_RECORDED_ROWS 10000U
 

@@ -1,5 +1,5 @@
 /* The self-test alone: its outcome is the exit code. */
-#include "ema/ema_selftest.h"
+#include "ema/ema.h"
 
 static ema_selftest_t memory;
 

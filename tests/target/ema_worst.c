@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_counter.h"
 #include "ema_recorded.h"
 

@@ -16,7 +16,7 @@ BLOCK = re.compile(r"^```(c|cmake|sh)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FUNCTIONS = ("ema_session_init", "ema_session_feed", "ema_session_run", "ema_session_result")
 # Stands for the rest of the user's firmware.
 MAIN = """#include <stdbool.h>
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 ema_status_t test_begin(void);
 ema_status_t test_sample(float command_mm, float rod_mm);
 bool test_slice(ema_status_t* status);

@@ -1,7 +1,7 @@
 /* Defaults, ranges and access by index: each of them read from the two lists again, row by row. */
 #include <math.h>
 
-#include "ema_bounds.h"
+#include "base/ema_bounds.h"
 #include "ema_rig.h"
 
 void setUp(void)

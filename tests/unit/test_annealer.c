@@ -3,8 +3,8 @@
  */
 #include <math.h>
 
-#include "ema/ema_annealer.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define FOREVER 1000000000U

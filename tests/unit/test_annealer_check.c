@@ -1,8 +1,7 @@
 /* The warnings of a search's settings: each rule from both sides, the session's own numbers, and the texts. */
 #include <math.h>
 
-#include "ema/ema_annealer_check.h"
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 /* 5 um rms at 1 kHz. */

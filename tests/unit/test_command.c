@@ -1,7 +1,7 @@
 /* Commands against their closed forms; what is refused; and that they are functions of the step alone. */
 #include <math.h>
 
-#include "ema/ema_command.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define STEP_S EMA_R(1.0e-3)

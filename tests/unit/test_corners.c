@@ -3,8 +3,8 @@
  *
  * Whatever ema_actuator_check and ema_model_init let through is tried; which that is decide they alone. docs/PROOF.md
  * says what is shown for all states and what by such samples. */
-#include "ema_effect_rows.h"
-#include "ema_math.h"
+#include "base/ema_effect_rows.h"
+#include "base/ema_math.h"
 #include "ema_rig.h"
 #include "unity.h"
 

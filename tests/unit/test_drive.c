@@ -1,6 +1,6 @@
 /* Drive electronics: what is applied in voltage mode, in current mode inside the bus voltage, and beyond it. */
-#include "ema_drive.h"
-#include "ema_motor.h"
+#include "blocks/ema_drive.h"
+#include "blocks/ema_mechanics.h"
 #include "ema_rig.h"
 
 #define TOLERANCE (8.0 * EMA_EPS)

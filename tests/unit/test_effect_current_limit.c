@@ -1,5 +1,5 @@
 /* Current limit of the drive: a locked rotor stays at it; of two limits the lower counts. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 void setUp(void)

@@ -2,8 +2,8 @@
  */
 #include <math.h>
 
+#include "effects/ema_effect_sites.h"
 #include "ema_close.h"
-#include "ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 void setUp(void)

@@ -1,7 +1,7 @@
 /* Friction behind a play with elastic ends: closed form of a turn, the flat floor of a reversal, and an end of travel.
  */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 /* the module keeps its place in the gap in so much of the friction */

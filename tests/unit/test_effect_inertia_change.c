@@ -1,7 +1,7 @@
 /* Added or removed mass: the time constant of running up; the total, of which a soft transmission takes its mass. */
 #include <math.h>
 
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 void setUp(void)

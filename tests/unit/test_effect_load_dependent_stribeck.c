@@ -1,8 +1,8 @@
 /* Friction that grows with the motor torque and falls with speed: where it breaks away, and what is left at speed. */
 #include <math.h>
 
+#include "effects/ema_effect_sites.h"
 #include "ema_close.h"
-#include "ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 void setUp(void)

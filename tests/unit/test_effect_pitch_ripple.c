@@ -1,5 +1,5 @@
 /* Dry friction that varies once per lead: break-away where it is highest and lowest, nothing over a whole lead. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 void setUp(void)

@@ -1,7 +1,7 @@
 /* Contact that stretches before it slides: closed form of a turn, and of a slow pull below the level. */
 #include <math.h>
 
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 void setUp(void)

@@ -1,5 +1,5 @@
 /* Torque constant and back-EMF that vary with the angle: break-away, and the work of a turn. */
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
 #include "ema_open_loop.h"
 
 void setUp(void)

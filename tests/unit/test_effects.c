@@ -1,8 +1,8 @@
 /* Optional effects: absent bit for bit at zero, felt when they are not, and each against a closed form of its own. */
 #include <math.h>
 
-#include "ema_effect_sums.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sums.h"
 #include "ema_rig.h"
 
 #define KT 0.0612

@@ -1,7 +1,7 @@
 /* Encoder network: sides, sensor errors, resolution and the delay's parabola. */
 #include <math.h>
 
-#include "ema_encoder.h"
+#include "blocks/ema_encoder.h"
 #include "ema_rig.h"
 
 static ema_actuator_t actuator;

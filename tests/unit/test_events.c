@@ -1,18 +1,18 @@
 /* What happens in a span, on the bounds themselves: where rounding has put the current or the speed on the bound or
  * just beyond it. */
-#include "ema_events.h"
 #include "ema_rig.h"
+#include "plant/ema_motion_events.h"
 
 #define KT 0.0612
 #define R_OHM 0.99
 
 static ema_actuator_t actuator;
 static ema_model_t model;
-static ema_work_t work;
+static ema_step_scratch_t work;
 
 void setUp(void)
 {
-    static const ema_work_t fresh;
+    static const ema_step_scratch_t fresh;
     actuator = ema_rig_actuator();
     work = fresh;
 }

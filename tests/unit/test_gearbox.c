@@ -1,7 +1,7 @@
 /* Gearbox: ratio, and the dry friction that a load adds in either direction. */
 #include <math.h>
 
-#include "ema_gearbox.h"
+#include "blocks/ema_mechanics.h"
 #include "ema_rig.h"
 
 #define TURN 6.283185307179586

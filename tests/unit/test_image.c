@@ -1,12 +1,11 @@
 /* Images of configurations: what is written is read, in place or copied; what is stale, cut off or damaged is refused
  * with its reason, and nothing of it is used. */
-#include "ema/ema_image.h"
+#include "ema/ema.h"
 
-#include "ema/ema_guarded.h"
-#include "ema_crc.h"
-#include "ema_image_layout.h"
+#include "base/ema_bytes.h"
 #include "ema_image_rig.h"
 #include "ema_signature_rig.h"
+#include "session/ema_image_layout.h"
 
 #define IMAGE_BYTES 8192U
 #define PLAIN "left aileron"

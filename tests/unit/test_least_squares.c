@@ -1,10 +1,9 @@
 /* The search by least squares: it finds what a record was made with, inside its bounds, whatever the slices; it says
  * what the record determines; and it refuses what makes no search. */
-#include "ema/ema_least_squares.h"
+#include "ema/ema.h"
 
 #include <math.h>
 
-#include "ema/ema_random.h"
 #include "ema_rig.h"
 
 #define ROWS 2000U

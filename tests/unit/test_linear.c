@@ -1,8 +1,8 @@
 /* Small symmetric systems: known factors, random systems solved back, and what is refused. */
 #include <math.h>
 
-#include "ema_linear.h"
-#include "ema_math.h"
+#include "base/ema_linear.h"
+#include "base/ema_math.h"
 #include "ema_rig.h"
 
 #define SIZE_MAX_TRIED 17U

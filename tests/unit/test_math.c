@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "ema_math.h"
+#include "base/ema_math.h"
 #include "ema_rig.h"
 
 #define SWEEP 200000U

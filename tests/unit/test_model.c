@@ -1,8 +1,8 @@
 /* The model's contract: what its preparation refuses, what a step answers, and that its state is a plain value. */
 #include <math.h>
 
-#include "ema_prepare.h"
 #include "ema_rig.h"
+#include "plant/ema_run.h"
 
 static ema_actuator_t actuator;
 
@@ -138,7 +138,7 @@ static void test_plant_refuses_what_effects_must_not_leave(void)
     static const ema_real bad[3] = {EMA_R(0.0), EMA_R(-1.0e-6), EMA_R(0.0)};
     static ema_plant_t plant;
     static ema_plant_t before;
-    static ema_work_t work;
+    static ema_step_scratch_t work;
     for (uint32_t k = 0; k < 3U; ++k) {
         ema_actuator_t left = actuator;
         EMA_ASSERT_STATUS(EMA_OK, ema_plant_prepare(&plant, &work, &left, EMA_R(0.0)));

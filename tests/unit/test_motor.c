@@ -1,7 +1,7 @@
 /* Motor: torque and its saturation; the current of a locked rotor against 1 - exp(-R t / L). */
 #include <math.h>
 
-#include "ema_motor.h"
+#include "blocks/ema_mechanics.h"
 #include "ema_rig.h"
 
 static ema_actuator_t actuator;

@@ -1,7 +1,7 @@
 /* The objective: equal to the direct sum, whatever the slices, and given up without changing what it says. */
 #include <math.h>
 
-#include "ema/ema_objective.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define ROWS 2000U

@@ -1,6 +1,6 @@
 /* Signatures: sums of products against the same in double, names and sizes, every refusal, and that slices and copies
  * do not matter. */
-#include "ema/ema_onboard.h"
+#include "ema/ema.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Control logic: each structure against its closed form, saturation, anti-windup and its own rate. */
 #include <math.h>
 
-#include "ema_pid.h"
+#include "blocks/ema_pid.h"
 #include "ema_rig.h"
 
 #define TOLERANCE (8.0 * EMA_EPS)

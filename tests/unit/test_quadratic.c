@@ -1,7 +1,7 @@
 /* The quadratic through a search's best points: exact on quadratics, refused where none has a minimum, drawn from as
  * Boltzmann says. */
-#include "ema_linear.h"
-#include "ema_quadratic.h"
+#include "base/ema_linear.h"
+#include "search/ema_quadratic.h"
 
 #include <math.h>
 

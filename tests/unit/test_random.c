@@ -1,7 +1,7 @@
 /* The generator against its published numbers, and the distributions against their moments. */
 #include <math.h>
 
-#include "ema/ema_random.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define DRAWS 200000U

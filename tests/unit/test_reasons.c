@@ -1,5 +1,5 @@
 /* The texts of the reasons: one for each bit of the list. */
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 void setUp(void)

@@ -2,7 +2,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "ema/ema_command.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define ROWS 50U

@@ -1,5 +1,5 @@
 /* What a guarded session asks of its session: a run beside a table before and after the search, and a placed start. */
-#include "ema_scoring.h"
+#include "session/ema_scoring.h"
 
 #include "ema_signature_rig.h"
 

@@ -1,9 +1,8 @@
 /* Ball screw: the play's kinematics, and which way a shaft at rest goes. */
 #include <math.h>
 
-#include "ema_gearbox.h"
+#include "blocks/ema_mechanics.h"
 #include "ema_rig.h"
-#include "ema_screw.h"
 
 static ema_actuator_t actuator;
 static ema_state_t state;

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ema_selftest_known.h"
+#include "session/ema_selftest_known.h"
 #include "unity.h"
 
 /* The bits of the processor's own word for its arithmetic; on others the tests have no mode to try. */

@@ -1,10 +1,9 @@
 /* Standard errors and residual against finite differences and normal equations worked out here, in double, from the
  * model's own runs. */
-#include "ema/ema_sensitivity.h"
+#include "ema/ema.h"
 
 #include <math.h>
 
-#include "ema/ema_random.h"
 #include "ema_rig.h"
 
 #define ROWS 2000U

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "ema_rig.h"
-#include "ema_series.h"
+#include "plant/ema_series.h"
 
 static ema_actuator_t actuator;
 

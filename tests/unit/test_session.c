@@ -1,11 +1,10 @@
 /* The whole module through its four calls: answers on its own records, verdicts, slices, copies, and every refusal. */
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 #include <math.h>
 
-#include "ema/ema_random.h"
 #include "ema_rig.h"
-#include "ema_runs.h"
+#include "session/ema_session_search.h"
 
 #define ROWS_MAX 10000U
 #define ALL_STEPS UINT32_MAX
@@ -452,7 +451,7 @@ static void test_start_is_the_command_when_the_rod_agrees_with_it(void)
     truth.noise_mm = healthy.params.position_noise_mm;
     init_and_feed(&truth);
     EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 0U));
-    TEST_ASSERT_TRUE(ema_runs_start_mm(&session) == EMA_R(5.0));
+    TEST_ASSERT_TRUE(ema_session_search_start_mm(&session) == EMA_R(5.0));
 }
 
 static void test_start_is_the_rod_when_it_rests_elsewhere(void)
@@ -462,9 +461,10 @@ static void test_start_is_the_rod_when_it_rests_elsewhere(void)
     truth.shift_mm = EMA_R(5.0);
     const ema_result_t result = identify(&truth);
     /* the first row is the rod at the end of no step: where it rested */
-    EMA_ASSERT_CLOSE(4.0, ema_runs_start_mm(&session), 1.0e-6, 0.0);
+    EMA_ASSERT_CLOSE(4.0, ema_session_search_start_mm(&session), 1.0e-6, 0.0);
     assert_found(&result, &truth, 0.1);
-    EMA_ASSERT_CLOSE(direct_cost(&healthy, ema_runs_start_mm(&session)), result.objective_before, 0.0, 20.0 * EMA_EPS);
+    EMA_ASSERT_CLOSE(direct_cost(&healthy, ema_session_search_start_mm(&session)), result.objective_before, 0.0,
+                     20.0 * EMA_EPS);
 }
 
 static void test_result_is_the_same_bits_for_any_slices(void)

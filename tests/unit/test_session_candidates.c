@@ -1,7 +1,7 @@
 /* Bounds may hold values of which no model can be made; the search goes around them. */
 #include <math.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define ROWS 1500U

@@ -1,5 +1,5 @@
 /* Grease and winding beside CSJ and BLK: a warm day is no fault, and a search without them is what it was. */
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
  * was used outside its range. */
 #include <math.h>
 
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 #define ROWS 2000U

@@ -2,9 +2,9 @@
  * far outside the range one was used. */
 #include <math.h>
 
-#include "ema_effect_sites.h"
+#include "effects/ema_effect_sites.h"
+#include "effects/ema_table.h"
 #include "ema_open_loop.h"
-#include "ema_table.h"
 
 #define SPANS 15
 #define TURN 6.283185307179586

@@ -1,5 +1,5 @@
 /* Results packed and read again: all of them, bit for bit; what is no packet is refused with its reason. */
-#include "ema/ema_telemetry.h"
+#include "ema/ema.h"
 
 #include <math.h>
 

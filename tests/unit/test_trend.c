@@ -1,6 +1,6 @@
 /* Trend and time to a limit: what the desk's reference says of the same readings (tolerances and why:
  * tests/vectors/manifest.json), slices, refusals, and what becomes of older readings. */
-#include "ema/ema_trend.h"
+#include "ema/ema.h"
 
 #include <math.h>
 

@@ -1,14 +1,14 @@
 /* The parts of a forecast: the bank of laws, the filter of one, first passage, and what comes of a pace that changes.
  */
-#include "ema/ema_trend.h"
+#include "ema/ema.h"
 
 #include <math.h>
 
-#include "ema_ahead.h"
 #include "ema_close.h"
-#include "ema_law.h"
-#include "ema_passage.h"
-#include "ema_wear_filter.h"
+#include "trend/ema_first_passage.h"
+#include "trend/ema_forecast.h"
+#include "trend/ema_law.h"
+#include "trend/ema_wear_filter.h"
 
 void setUp(void)
 {
@@ -164,22 +164,22 @@ static void test_a_pace_that_changes(void)
     ema_real none[EMA_FORECAST_TIMES];
     const ema_real since = EMA_R(0.4);
     for (uint32_t k = 0; k < EMA_FORECAST_TIMES; ++k) {
-        going[k] = (ema_ahead_time(k) >= EMA_R(0.06)) ? EMA_R(1.0) : EMA_R(0.0);
+        going[k] = (ema_forecast_time(k) >= EMA_R(0.06)) ? EMA_R(1.0) : EMA_R(0.0);
         none[k] = EMA_R(0.0);
     }
-    EMA_ASSERT_CLOSE(EMA_AHEAD_MOST, ema_ahead_time(EMA_FORECAST_TIMES - 1U), 0.0, 1e-5);
+    EMA_ASSERT_CLOSE(EMA_FORECAST_HORIZON, ema_forecast_time(EMA_FORECAST_TIMES - 1U), 0.0, 1e-5);
     /* before any change, the first of which comes after 0.105, it is as it was */
     const uint32_t place = 32U;
-    TEST_ASSERT_TRUE((ema_ahead_time(place - 1U) > EMA_R(0.06)) && (ema_ahead_time(place) < EMA_R(0.105)));
-    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(going, none, since, place), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(going, going, since, 0U), 0.0, 0.0);
+    TEST_ASSERT_TRUE((ema_forecast_time(place - 1U) > EMA_R(0.06)) && (ema_forecast_time(place) < EMA_R(0.105)));
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_forecast_share(going, none, since, place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_forecast_share(going, going, since, 0U), 0.0, 0.0);
     /* what is stalled goes on later, one fifth at a time, the sooner the shorter it has been, and in the end all is
      * there */
-    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_ahead_share(none, going, EMA_R(0.8), place), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(0.2), ema_ahead_share(none, going, EMA_R(0.2), place), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(0.4), ema_ahead_share(none, going, EMA_R(0.06), place), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, EMA_R(0.0), place), 1e-6, 0.0);
-    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_ahead_share(none, going, since, EMA_FORECAST_TIMES - 1U), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.0), ema_forecast_share(none, going, EMA_R(0.8), place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.2), ema_forecast_share(none, going, EMA_R(0.2), place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(0.4), ema_forecast_share(none, going, EMA_R(0.06), place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_forecast_share(none, going, EMA_R(0.0), place), 1e-6, 0.0);
+    EMA_ASSERT_CLOSE(EMA_R(1.0), ema_forecast_share(none, going, since, EMA_FORECAST_TIMES - 1U), 1e-6, 0.0);
 }
 
 int main(void)

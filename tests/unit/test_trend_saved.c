@@ -1,5 +1,5 @@
 /* A trend as bytes: what is restored continues as if nothing had been; what is no trend is refused with its reason. */
-#include "ema/ema_trend.h"
+#include "ema/ema.h"
 
 #include "ema_close.h"
 #include "ema_image_rig.h"

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "ema/ema_command.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 #include "ema_vectors.inc"
 

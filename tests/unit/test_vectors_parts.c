@@ -1,9 +1,8 @@
 /* Parts that are called on their own against the stored reference: the control law, the commands, the random numbers.
  * Tolerances and why: tests/vectors/manifest.json.
  */
-#include "ema/ema_command.h"
-#include "ema/ema_random.h"
-#include "ema_pid.h"
+#include "blocks/ema_pid.h"
+#include "ema/ema.h"
 #include "ema_rig.h"
 
 /* The bits of an ema_real, as the tables hold them. */

@@ -1,10 +1,10 @@
 /* The verdict as a table: what estimates, residual and outcome mean, on both sides of every limit. */
-#include "ema_verdict.h"
+#include "session/ema_verdict.h"
 
 #include <math.h>
 
 #include "ema_rig.h"
-#include "ema_today.h"
+#include "session/ema_temperature_correction.h"
 
 static ema_actuator_t healthy;
 static ema_session_config_t config;
@@ -63,7 +63,7 @@ static void judge_lines(const line_t* lines, size_t count)
 {
     for (size_t k = 0; k < count; ++k) {
         ema_result_t result = result_of(&lines[k]);
-        ema_today(&config, &result);
+        ema_temperature_correction(&config, &result);
         ema_verdict_judge(&config, true, &result);
         TEST_ASSERT_EQUAL_HEX32_MESSAGE(lines[k].reasons, result.reasons, "reasons of a line");
         TEST_ASSERT_EQUAL_INT_MESSAGE(lines[k].verdict, result.verdict, "verdict of a line");

@@ -2,8 +2,7 @@
  * every build. */
 #include <string.h>
 
-#include "ema/ema_image.h"
-#include "ema/ema_session.h"
+#include "ema/ema.h"
 #include "ema_image_rig.h"
 #include "unity.h"
 

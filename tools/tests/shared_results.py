@@ -27,7 +27,7 @@ T = TypeVar("T")
 
 _TESTS = Path(__file__).resolve().parent
 _ROOT = _TESTS.parents[1]
-_SOURCES = ("tools/ema_tools", "tools/reference_model", "tools/page", "benchmarks", "actuators", "recordings")
+_SOURCES = ("tools/ema_tools", "tools/tests/records", "tools/reference_model", "tools/page", "benchmarks", "actuators", "recordings")
 # A state of the sources that no test run has read for so long is deleted.
 _KEPT_S = 24 * 3600.0
 

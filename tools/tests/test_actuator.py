@@ -70,6 +70,7 @@ def test_round_trip_of_a_fresh_file(tmp_path_factory: pytest.TempPathFactory, ch
     assert read_text(actuator.written_text(), tmp_path_factory.mktemp("a")).values == actuator.values
 
 
+@pytest.mark.slow
 @given(changes)
 def test_round_trip_of_the_shipped_file_keeps_its_comments(tmp_path_factory: pytest.TempPathFactory, changed: dict[str, float]) -> None:
     shipped = REFERENCE.read_text(encoding="utf-8")

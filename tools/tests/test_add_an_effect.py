@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -19,6 +20,12 @@ from support import ROOT, ema_elsewhere
 PAGE = ROOT / "docs" / "ADD_AN_EFFECT.md"
 SHOWN = "quadratic_viscous"
 LIST = "include/ema/ema_effects.def"
+SITE_FILE = {
+    "FRICTION": "src/effects/ema_effects_friction.c",
+    "TORQUE": "src/effects/ema_effects_torque.c",
+    "VOLTAGE": "src/effects/ema_effects_drive.c",
+    "READING": "src/effects/ema_effects_sensor.c",
+}
 UNIT_NAMES = "tests/checks/unit_names.txt"
 NOISE = "position_mm=0.002,motor_position_mm=0.002,current_A=0.03,voltage_V=0.02"
 COMMAND = "chirp:duration_s=3"
@@ -43,10 +50,10 @@ class New:
 
 
 def c_file(name: str, arguments: str, body: str) -> str:
-    """A file of `src/effects` as the page shows it."""
+    """The function of an effect as the page shows it."""
     return f"""/* An effect that the tests add. */
-#include "ema_effect_sites.h"
-#include "ema_math.h"
+#include "base/ema_math.h"
+#include "effects/ema_effect_sites.h"
 
 ema_real ema_effect_{name}(const ema_effect_{name}_t* effect, const ema_site_t* site{arguments})
 {{
@@ -184,8 +191,10 @@ def test_the_page_shows_the_files_as_they_are() -> None:
     rows = (ROOT / LIST).read_text(encoding="utf-8")
     row = rows[rows.index(f"EMA_EFFECT({SHOWN}") :]
     assert row[: row.index("\n\n")] in text
+    assert SITE_FILE["TORQUE"] in text
+    law = re.search(r"/\* Turbulent drag[^}]*\n}\n", (ROOT / SITE_FILE["TORQUE"]).read_text(encoding="utf-8"))
+    assert law is not None and law[0] in text
     for file in (
-        f"src/effects/ema_effect_{SHOWN}.c",
         f"tools/reference_model/effects/{SHOWN}.py",
         f"tools/ema_tools/library/effects/{SHOWN}.py",
     ):
@@ -217,7 +226,8 @@ def follow(tree: Path, new: New) -> None:
     text = rows.read_text(encoding="utf-8")
     end = text.index("/* Effects of one's own")
     rows.write_text(text[:end] + new.row + "\n" + text[end:], encoding="utf-8")
-    (tree / "src" / "effects" / f"ema_effect_{new.name}.c").write_text(new.c, encoding="utf-8")
+    with (tree / SITE_FILE[new.row.split(", ")[1]]).open("a", encoding="utf-8") as laws:
+        laws.write("\n" + new.c)
     (tree / "tools" / "reference_model" / "effects" / f"{new.name}.py").write_text(new.reference, encoding="utf-8")
     (tree / "tools" / "ema_tools" / "library" / "effects" / f"{new.name}.py").write_text(f'"""New."""\n\n{new.record}', encoding="utf-8")
     with (tree / UNIT_NAMES).open("a", encoding="utf-8") as names:

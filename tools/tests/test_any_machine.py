@@ -207,6 +207,7 @@ def test_friction_that_falls_with_speed_gives_the_viscous_friction_back() -> Non
     assert step.values["screw.viscous_Nm_s_per_rad"] == pytest.approx(2e-5, abs=3.0 * step.std["screw.viscous_Nm_s_per_rad"])
 
 
+@pytest.mark.slow
 def test_noise_alone_has_no_phase() -> None:
     found = improve_by_forces(
         actuator_of("lead screw", 0), [spinning(speed, seed) for seed, speed in enumerate((2.0, -3.0, 5.0, -7.0, 9.0))]
@@ -299,6 +300,7 @@ def test_the_command_writes_what_programs_read(tmp_path: Path) -> None:
     assert again.code == 0 and "quadratic_viscous" not in again.out.split("Force error")[0]
 
 
+@pytest.mark.slow
 def test_a_folder_holds_the_record_that_is_held_out_too(tmp_path: Path) -> None:
     actuator_of("bare motor", 0).write(tmp_path / "machine.toml")
     for number in range(3):
@@ -397,6 +399,7 @@ def test_two_effects_that_are_refused_alone_are_named_together() -> None:
     assert [step.effect for step in alone.steps] == ["presliding"]
 
 
+@pytest.mark.slow
 @quick
 def test_the_observer_names_what_is_large_and_guesses_at_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """The bound beside which the answers are told: sure of every usual size, and no better than a coin where nothing is hidden."""

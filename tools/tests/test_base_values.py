@@ -38,7 +38,10 @@ def fitted(actuator: Actuator, records: list[MotionRecord]) -> dict[str, BaseVal
     return {one.name: one for one in improve_by_forces(actuator, records).base}
 
 
-@pytest.mark.parametrize(("motion", "drive"), [(4.0, 1.0), (0.25, 1.0), (1.0, 2.0), (1.0, 1.0 / 3.0)])
+@pytest.mark.parametrize(
+    ("motion", "drive"),
+    [(4.0, 1.0), *(pytest.param(*scale, marks=pytest.mark.slow) for scale in ((0.25, 1.0), (1.0, 2.0), (1.0, 1.0 / 3.0)))],
+)
 def test_a_scale_that_is_wrong_is_told_by_what_is_stated(motion: float, drive: float) -> None:
     records = [run(seed, motion, drive) for seed in range(3)]
     values = fitted(machine(), records)
@@ -49,6 +52,7 @@ def test_a_scale_that_is_wrong_is_told_by_what_is_stated(motion: float, drive: f
     assert ("motor_speed_rad_s" in text or "torque_Nm" in text) and "screw.inertia_kgm2" in text
 
 
+@pytest.mark.slow
 def test_a_drive_of_another_scale_is_told_by_friction_too() -> None:
     records = [run(seed, 1.0, 3.0) for seed in range(3)]
     text = contradiction(tuple(fitted(machine(), records).values()), records[0])
@@ -78,6 +82,7 @@ def test_a_value_that_nobody_stated_contradicts_nothing() -> None:
     assert fitted(machine(friction=3.0 * FRICTION), [run(seed) for seed in range(3)])[C].contradicts
 
 
+@pytest.mark.slow
 def test_the_command_prints_them(tmp_path: Path) -> None:
     machine(inertia=INERTIA / 4.0, remarks={C: FROM_RECORDS}).write(tmp_path / "machine.toml")
     names = [tmp_path / f"{seed}.csv" for seed in range(3)]

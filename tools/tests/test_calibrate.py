@@ -220,7 +220,7 @@ def test_a_run_that_is_given_twice_says_nothing_of_scatter(tmp_path: Path) -> No
         ("worn.csv", "worn.csv: not of the same state as healthy_1.csv, healthy_2.csv: csj_Nm differs from theirs by "),
     ],
 )
-@pytest.mark.parametrize("command", ["calibrate", "export"])
+@pytest.mark.parametrize("command", [pytest.param("calibrate", marks=pytest.mark.slow), "export"])
 def test_the_odd_one_among_healthy_runs_is_named(tmp_path: Path, command: str, odd: str, says: str) -> None:
     """Whatever its place; nothing is written."""
     runs = [UNIT / "healthy_1.csv", UNIT / "healthy_2.csv"]

@@ -171,6 +171,7 @@ def test_pages_show_size_and_standard_error(done: Path, tmp_path: Path) -> None:
     assert len(re.findall(r"rise_degC = (59|60|61)\.\d+ degC \[95 %: \d", both)) >= 2
 
 
+@pytest.mark.slow
 def test_csj_and_blk_stand_apart_from_effects(runs: dict[str, Path], tmp_path: Path) -> None:
     worn = written(tmp_path / "worn.csv", run_of(5, {"screw.csj_Nm": 0.2, "screw.blk_mm": 0.06}))
     repeats = [part for k in range(3) for part in ("--healthy", runs[f"healthy_{k}"])]
@@ -216,6 +217,7 @@ def test_values_that_are_given_are_written_in_the_same_keys(tmp_path: Path) -> N
     assert ran.out.startswith("Winding heating (winding_heating) was there with rise_degC = 30; it is now set to given values")
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_there_is_refitted_and_said_so(runs: dict[str, Path], tmp_path: Path) -> None:
     old = tmp_path / "old.toml"
     assert run_ema("add", REFERENCE, "winding_heating", "--set", "rise_degC=10", "-o", old).code == 0

@@ -51,6 +51,7 @@ class Thing:
 ONE = Constant("fit.here", "_ONE", 3, "2.0", "what it is", "judgement")
 
 
+@pytest.mark.slow
 def test_every_constant_has_a_reason_and_a_use() -> None:
     assert without_reason(constants()) == []
     assert unused() == []
@@ -111,6 +112,7 @@ print(json.dumps([WithRepeats.limits.finalists, WithRepeats.limits.finalist_shar
     assert found == [2, 0.4, 3, 3]
 
 
+@pytest.mark.slow
 def test_readings_are_noted() -> None:
     found = in_a_process("""
 import json

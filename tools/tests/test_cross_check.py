@@ -70,7 +70,7 @@ DRIVES: dict[str, dict[str, float]] = {
 
 
 def drives() -> list[Any]:
-    quick = (("inverter drop 0.6 V", TRIANGLE), ("supply -5 %", TRIANGLE), ("resistance +12 %", SLOW))
+    quick = [("inverter drop 0.6 V", TRIANGLE)]
     return [
         pytest.param(DRIVES[name], command, id=f"{name}-{'triangle' if command == TRIANGLE else 'chirp'}", marks=marks)
         for name in DRIVES
@@ -297,7 +297,11 @@ FAULTY = {"screw.csj_Nm": 1.4 * CSJ_NM}
     [
         (FAULTY, "csj_Nm differs"),
         pytest.param({"screw.blk_mm": 2.0 * BLK_MM}, "blk_mm differs", marks=pytest.mark.slow),
-        ({"drive.supply_V": 0.95 * KNOWN["drive.supply_V"]}, "which friction, play, grease and winding do not explain"),
+        pytest.param(
+            {"drive.supply_V": 0.95 * KNOWN["drive.supply_V"]},
+            "which friction, play, grease and winding do not explain",
+            marks=pytest.mark.slow,
+        ),
         pytest.param({"control.kp_per_m": 1.05 * KP}, "which friction, play, grease and winding do not explain", marks=pytest.mark.slow),
         pytest.param(
             {"effects.stribeck_friction.rise": 0.3}, "which friction, play, grease and winding do not explain", marks=pytest.mark.slow

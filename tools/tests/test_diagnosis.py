@@ -30,6 +30,8 @@ from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.answers.diagnosis import diagnosis
 from ema_tools.words.sentences.addition import reason
 from ema_tools.words.sentences.diagnosis import sentence
+from shared_results import shared_result
+from stored_records import day
 
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 UNIT = 2  # a machine with Coulomb friction
@@ -54,22 +56,23 @@ def test_whitening_with_unit_power_keeps_lengths_and_angles(rows: int) -> None:
 @pytest.fixture(scope="module")
 def healthy() -> list[Record]:
     """Repeats of the healthy machine and one more run of it."""
-    return [run_of({}, 700 + k) for k in range(6)]
+    return [day(f"healthy_{700 + k}") for k in range(6)]
 
 
 @pytest.fixture(scope="module")
 def held_out() -> list[Record]:
     """The machine with a hot winding, under the chirp and under another command."""
-    hot = {"winding_heating.rise_degC": 40.0}
-    return [run_of(hot, 801), run_of(hot, 802, "multisine")]
+    return [day("hot_801"), day("hot_802")]
 
 
 @pytest.fixture(scope="module")
-def hot(healthy: list[Record], held_out: list[Record]) -> Answer:
-    return answer(reference_actuator(), held_out[0], healthy[:-1], held_out[1])
+@shared_result
+def hot() -> Answer:
+    held_out = [day("hot_801"), day("hot_802")]
+    return answer(reference_actuator(), held_out[0], [day(f"healthy_{700 + k}") for k in range(5)], held_out[1])
 
 
-@needs_numba
+@pytest.mark.slow
 def test_a_healthy_run_costs_what_the_repeats_cost_and_is_not_accused(healthy: list[Record]) -> None:
     found = answer(reference_actuator(), healthy[-1], healthy[:-1])
     assert found.evidence.channels == ("position_mm", "motor_position_mm", "current_A", "voltage_V")
@@ -80,7 +83,6 @@ def test_a_healthy_run_costs_what_the_repeats_cost_and_is_not_accused(healthy: l
     assert found.diagnosis.fit is None
 
 
-@needs_numba
 def test_every_effect_and_fault_is_a_candidate(healthy: list[Record]) -> None:
     here = settled(gather(reference_actuator(), healthy[-1], healthy[:-1]), {})
     screen = Screen(here)
@@ -94,7 +96,6 @@ def test_every_effect_and_fault_is_a_candidate(healthy: list[Record]) -> None:
 
 
 @pytest.mark.slow
-@needs_numba
 def test_a_hidden_effect_is_named_with_its_size_and_the_error_falls_to_the_floor(hot: Answer) -> None:
     assert hot.verdict == "missing"
     first = hot.effects[0]
@@ -105,7 +106,7 @@ def test_a_hidden_effect_is_named_with_its_size_and_the_error_falls_to_the_floor
     assert hot.errors.after <= 1.05 * hot.errors.floor
 
 
-@needs_numba
+@pytest.mark.slow
 def test_the_record_held_out_confirms_it(hot: Answer) -> None:
     errors = hot.errors
     assert errors.holdout_before is not None and errors.holdout_after is not None and errors.holdout_floor is not None
@@ -113,7 +114,7 @@ def test_the_record_held_out_confirms_it(hot: Answer) -> None:
     assert errors.holdout_after <= 1.15 * errors.holdout_floor
 
 
-@needs_numba
+@pytest.mark.slow
 def test_the_answer_has_the_keys_that_programs_read(hot: Answer) -> None:
     result = to_json(diagnosis(hot, {}))
     assert result["verdict"] == "missing"
@@ -124,7 +125,6 @@ def test_the_answer_has_the_keys_that_programs_read(hot: Answer) -> None:
 
 
 @pytest.mark.slow
-@needs_numba
 def test_adding_the_effect_gives_the_machine_with_it(healthy: list[Record], held_out: list[Record]) -> None:
     found = add(reference_actuator(), "winding_heating", held_out[0], healthy[:-1], held_out[1])
     assert found.recommended, reason(found)
@@ -135,7 +135,6 @@ def test_adding_the_effect_gives_the_machine_with_it(healthy: list[Record], held
 
 
 @pytest.mark.slow
-@needs_numba
 def test_adding_a_wrong_effect_is_not_recommended(healthy: list[Record]) -> None:
     found = add(reference_actuator(), "spring_load", healthy[-1], healthy[:-1])
     assert not found.recommended
@@ -350,11 +349,10 @@ def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow()
     assert refuted([Rung((), "", 9.0, None, (9.0, None)), Rung(("a",), "a", 2.0, None, (2.0, None))]) == ()
 
 
-@needs_numba
 def test_repeats_of_another_command_or_too_few_are_refused(healthy: list[Record]) -> None:
     with pytest.raises(InputError, match="one healthy record tells nothing"):
         gather(reference_actuator(), healthy[-1], healthy[:1])
-    worn = dataclasses.replace(run_of({"screw.csj_Nm": 0.2}, 780), file="worn.csv")
+    worn = dataclasses.replace(day("worn_780"), file="worn.csv")
     with pytest.raises(
         InputError, match=r"worn\.csv: [\d.]+ times as far from the healthy records' median as the others are: leave it out"
     ):

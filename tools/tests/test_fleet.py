@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import signal
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -332,6 +333,20 @@ def test_a_cluster_elsewhere_finds_what_this_machine_does(tmp_path: Path) -> Non
     assert "no cluster answers there" in complaint(run_ema("fleet", fleet, "-o", tmp_path / "there", "--scheduler", address))
     wrong = run_ema("fleet", fleet, "-o", tmp_path / "there", "--scheduler", address, "--workers", "2")
     assert "--workers is of this machine" in wrong.err
+
+
+@pytest.mark.parametrize("built", [True, False])
+def test_without_dask_a_cluster_is_refused_with_what_installs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, built: bool) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "venv"))
+    (tmp_path / "venv").mkdir()
+    if built:
+        (tmp_path / "venv" / "run.stamp").touch()
+    installs = f"cmake --build {tmp_path} --target venv_fleet" if built else f"{sys.executable} -m pip install dask distributed"
+    batches, _ = planned(read_manifest(make_fleet(tmp_path / "fleet", 1)), tmp_path / "out", guarded=False)
+    with pytest.raises(InputError) as refused:
+        run_fleet(batches, scheduler="tcp://127.0.0.1:1")
+    assert str(refused.value) == f"--scheduler needs Dask, which is not installed: run {installs}, or leave --scheduler out"
 
 
 def test_a_later_version_of_the_tools_reads_what_an_earlier_one_wrote(tmp_path: Path) -> None:

@@ -131,6 +131,7 @@ def test_against_healthy_repeats_it_is_named_beside_a_fault(effect: str, only: b
     check_right(identify(added.actuator, record), True, scatter=0.06 if only else 0.02)
 
 
+@pytest.mark.slow
 @needs_numba
 @pytest.mark.parametrize("only", [False, True], ids=["four_signals", "position"])
 @pytest.mark.parametrize("repeats", [0, pytest.param(3, marks=pytest.mark.slow)])
@@ -156,6 +157,7 @@ def test_plainly_adequate_without_noise_stays_a_fault() -> None:
     assert found.checked is not None and found.checked.skipped == "every residual is as small as its sensor's noise"
 
 
+@pytest.mark.slow
 def test_by_a_data_sheet_alone_no_fault_is_stated_beside_an_effect_that_is_missing() -> None:
     """20 mV of dead time move what the module reads by no more than its doubt, and the current shows them."""
     known = reference_actuator()

@@ -100,6 +100,7 @@ def test_seeds_are_the_same_in_every_process_and_differ_by_part() -> None:
     assert len({machines.seed_of("healthy", 1, False, "chirp", day) for day in range(100)}) == 100
 
 
+@pytest.mark.slow
 @needs_numba
 def test_repeats_scatter_as_said_and_a_hidden_effect_shows() -> None:
     unit = machines.machine(2)
@@ -114,6 +115,7 @@ def test_repeats_scatter_as_said_and_a_hidden_effect_shows() -> None:
         assert np.std(seen[2]) > 1e-3, name
 
 
+@pytest.mark.slow
 @needs_numba
 def test_scatter_of_the_day_comes_with_a_shift_of_the_same_value() -> None:
     unit = machines.machine(2)

@@ -34,7 +34,12 @@ def test_what_was_simulated_is_identified(csj: float, blk: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("case", "csj", "blk", "verdict"), [("a", 0.3, 0.04125, "fault"), ("b", 0.1449, 0.066, "fault"), ("c", 0.13938, 0.03333, "healthy")]
+    ("case", "csj", "blk", "verdict"),
+    [
+        pytest.param("a", 0.3, 0.04125, "fault", marks=pytest.mark.slow),
+        pytest.param("b", 0.1449, 0.066, "fault", marks=pytest.mark.slow),
+        ("c", 0.13938, 0.03333, "healthy"),
+    ],
 )
 def test_independent_records_are_identified(case: str, csj: float, blk: float, verdict: str) -> None:
     record = read_record(RECORDINGS / f"case_{case}.csv", reference_actuator())
@@ -165,6 +170,7 @@ def test_seed_decides_the_path_and_nothing_else() -> None:
     assert third.costs != first.costs
 
 
+@pytest.mark.slow
 def test_value_that_is_healthy_at_zero_is_left_out() -> None:
     machine = reference_actuator().changed({"screw.blk_mm": 0.0})
     found = identify(machine, chirp_record(machine.changed({"screw.csj_Nm": 0.2})))
@@ -204,6 +210,7 @@ def test_weights_bring_in_other_channels() -> None:
         identify(reference_actuator(), replace(record, current_A=None), search=SearchSettings(weight=(0.0, 0.0, 1.0, 0.0)))
 
 
+@pytest.mark.slow
 def test_simulate_then_identify_on_the_command_line(tmp_path: Path) -> None:
     record = tmp_path / "r.csv"
     ran = run_ema(

@@ -30,15 +30,14 @@ from support import EXPORTED, RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
 UNIT = RECORDINGS / "unit" / "unit.toml"
 TABLE = EXPORTED / "ace_unit_signatures.h"
-SCHEMA = ROOT / "include" / "ema" / "ema_schema.h"
+SCHEMA = ROOT / "include" / "ema" / "detail" / "ema_schema.h"
 PACKET_BYTES = 240
 
 # Reads the image on standard input, tells its units, and packs a result of the last into the file that is named.
 PROGRAM = """
 #include <math.h>
 #include <stdio.h>
-#include "ema/ema_guarded.h"
-#include "ema/ema_telemetry.h"
+#include "ema/ema.h"
 static union { uint32_t word; uint8_t bytes[200000]; } image;
 static ema_real buffer[64];
 int main(int argc, char* argv[])
@@ -288,7 +287,7 @@ def test_a_header_of_other_lists_does_not_compile(tmp_path: Path) -> None:
     )
     # without the number it would be taken, the new value zero
     assert compiled(tmp_path, header, tmp_path / "include").returncode == 0
-    grown = tmp_path / "include" / "ema" / "ema_schema.h"
+    grown = tmp_path / "include" / "ema" / "detail" / "ema_schema.h"
     grown.write_text(with_schema(grown.read_text(encoding="utf-8"), schema_of(changed_lists()["a parameter more"])), encoding="utf-8")
     for header_of_it in (header, (TABLE.read_text(encoding="utf-8") + header)):
         ran = compiled(tmp_path, header_of_it, tmp_path / "include")

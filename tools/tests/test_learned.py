@@ -82,6 +82,7 @@ def test_table_that_cannot_be_read_is_named(name: str, values: dict[str, float],
     library(bits).check(*learned(name, **values, gain=0.0).arrays())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", range(5))
 def test_reference_interpolates_as_numpy_does(axis: int) -> None:
     rng = np.random.default_rng(axis)

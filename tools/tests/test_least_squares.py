@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from benchmarks.searches import problems
-from benchmarks.truth.plant import simulate_truth
 from ema_tools.base.errors import InputError
 from ema_tools.base.recording import Recording
 from ema_tools.data.actuator import reference_actuator
@@ -20,7 +19,7 @@ from ema_tools.plant.native import CHANNELS
 from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.reading import read_result
 from ema_tools.tasks.several_values import searched_of, several_values
-from reference_model.commands import chirp, times_s
+from stored_records import worn_in_eight
 from support import RECORDINGS, REFERENCE, chirp_record, complaint, run_ema
 
 EIGHT = ",".join(one.names[0] for one in problems.EIGHT)
@@ -30,7 +29,7 @@ NOISE = (problems.NOISE[0], problems.NOISE[1], problems.NOISE[2], problems.NOISE
 @pytest.fixture(scope="module")
 def exact() -> Recording:
     """Worn and out of tune in eight values, of the truth plant, without noise."""
-    return simulate_truth(problems.TRUTH[8], chirp(times_s(problems.ROWS)))
+    return worn_in_eight()
 
 
 def _searched(start: np.ndarray) -> tuple[Searched, ...]:

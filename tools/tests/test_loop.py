@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
 from ema_tools.data.actuator import read_actuator, reference_actuator
 from ema_tools.library.faults import FAULTS
-from support import REFERENCE, run_ema
+from support import REFERENCE, ROOT, run_ema
 
 NOISE = "position_mm=0.002,current_A=0.03"
 WORN = ("--set", "effects.source_resistance.resistance_ohm=0.15", "--set", "screw.blk_mm=0.0528")  # BLK +60 %
@@ -58,3 +59,16 @@ def test_a_spot_in_the_model_stands_beside_healthy_records(tmp_path: Path, comma
     healthy = [word for seed in (1, 2) for word in ("--healthy", recorded(tmp_path, f"healthy_{seed}.csv", seed))]
     ran = run_ema(command, tmp_path / "spot.toml", recorded(tmp_path, "today.csv", 9), *healthy)
     assert ran.code == 0, ran.err
+
+
+@pytest.mark.slow
+def test_the_healthy_runs_of_a_calibrated_file_serve_every_command(tmp_path: Path) -> None:
+    unit, today, answer = ROOT / "recordings" / "unit", tmp_path / "hidden.csv", tmp_path / "answer.json"
+    shutil.copy(unit / "hidden.csv", today)
+    assert run_ema("diagnose", unit / "unit.toml", today, "--json", answer).code == 0
+    result = json.loads(answer.read_text(encoding="utf-8"))
+    assert [one["name"] for one in result["effects"] if one["accepted"]] == ["inverter_dead_time"]
+    assert "healthy_1.csv" in result["provenance"]["healthy"]
+    ran = run_ema("add", unit / "unit.toml", "inverter_dead_time", "--fit", today, "-o", tmp_path / "new.toml")
+    assert ran.code == 0, ran.err
+    assert read_actuator(str(tmp_path / "new.toml"))["inverter_dead_time.drop_V"] == pytest.approx(0.3, abs=0.02)

@@ -69,7 +69,7 @@ GUARDED = """
 #include <stdio.h>
 #include "actuator.h"
 #include "signatures.h"
-#include "ema/ema_guarded.h"
+#include "ema/ema.h"
 static ema_real rows[6U * 20000U];
 static ema_guarded_t guarded;
 int main(int count, char** words)

@@ -111,7 +111,7 @@ def residual_rms(data: dict[str, Any], channel: str, model: str, scale: float, f
     return scale * float(np.sqrt(np.mean((here - simulated)[first:last] ** 2)))
 
 
-@pytest.mark.parametrize("kind", [*KINDS, *JUDGED, COMPARED])
+@pytest.mark.parametrize("kind", [KINDS[0], *(pytest.param(kind, marks=pytest.mark.slow) for kind in (*KINDS[1:], *JUDGED, COMPARED))])
 def test_opens_without_network_or_complaint_and_says_what_the_result_says(kind: str, opened: Any) -> None:
     page, data = opened(kind), made(kind)
     assert page.complaints == []
@@ -129,6 +129,7 @@ def test_opens_without_network_or_complaint_and_says_what_the_result_says(kind: 
     assert len(inked) == 10 and all(inked)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("viewport", [SMALL, PHONE], ids=["laptop", "phone"])
 @pytest.mark.parametrize("kind", [*KINDS, *JUDGED, COMPARED])
 def test_ten_seconds_are_enough(kind: str, viewport: dict[str, int], opened: Any) -> None:
@@ -153,6 +154,7 @@ def test_ten_seconds_are_enough(kind: str, viewport: dict[str, int], opened: Any
     assert page.page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
 
 
+@pytest.mark.slow
 def test_first_screen_is_there_within_a_second(opened: Any) -> None:
     page = opened("missing")
     for selector in ("h1", ".reply:last-child", '[data-channel="position_mm"] .plot.residual', '[data-channel="current_A"] .plot.residual'):
@@ -161,6 +163,7 @@ def test_first_screen_is_there_within_a_second(opened: Any) -> None:
     assert first_paint_ms(page.page) < 1000.0
 
 
+@pytest.mark.slow
 def test_zoom_is_undone_after_any_number_of_drags(opened: Any) -> None:
     page, data = opened("missing"), diagnosis("missing")
     whole = page.view
@@ -190,6 +193,7 @@ def test_zoom_is_undone_after_any_number_of_drags(opened: Any) -> None:
     assert page.complaints == []
 
 
+@pytest.mark.slow
 def test_crosshair_reads_every_channel(opened: Any) -> None:
     page, data = opened("missing"), diagnosis("missing")
     box = page.page.locator('[data-channel="position_mm"] .plot.main .u-over').bounding_box()
@@ -204,6 +208,7 @@ def test_crosshair_reads_every_channel(opened: Any) -> None:
     assert "measured" in page.text('[data-channel="voltage_V"] [data-values]')
 
 
+@pytest.mark.slow
 def test_series_are_switched_and_a_rung_shows_its_model(opened: Any) -> None:
     page = opened("missing")
     shown = "[...document.querySelectorAll('[data-series]')].filter((box) => box.checked).map((box) => box.dataset.series)"
@@ -215,6 +220,7 @@ def test_series_are_switched_and_a_rung_shows_its_model(opened: Any) -> None:
     assert page.page.evaluate(shown) == ["measured", "before"]
 
 
+@pytest.mark.slow
 def test_a_cell_lights_its_moments_and_a_zoom_lights_cells(opened: Any) -> None:
     page = opened("missing")
     ink = "document.querySelector('[data-channel=\"current_A\"] .plot.main canvas').toDataURL()"
@@ -232,6 +238,7 @@ def test_a_cell_lights_its_moments_and_a_zoom_lights_cells(opened: Any) -> None:
     assert lit == [BINS // 4 <= place < 3 * BINS // 4 for place in range(BINS)] or sum(lit) == BINS // 2 + 1
 
 
+@pytest.mark.slow
 def test_maps_and_plots_answer_to_keys(opened: Any) -> None:
     page = opened("missing")
     page.page.locator('button.cell[data-by="time"]').first.focus()
@@ -246,6 +253,7 @@ def test_maps_and_plots_answer_to_keys(opened: Any) -> None:
     assert page.zoomed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("look", ["laptop", "dark", "phone"])
 @pytest.mark.parametrize("kind", ["missing", JUDGED[0], JUDGED[2], COMPARED])
 def test_nothing_serious_stands_in_the_way_of_any_reader(kind: str, look: str, opened: Any) -> None:
@@ -253,11 +261,13 @@ def test_nothing_serious_stands_in_the_way_of_any_reader(kind: str, look: str, o
     assert hindrances(page.page) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["missing", JUDGED[2]])
 def test_everything_is_reached_without_a_mouse(kind: str, opened: Any) -> None:
     assert not_reached(opened(kind).page) == []
 
 
+@pytest.mark.slow
 def test_signals_of_an_identification_zoom_as_those_of_a_diagnosis(opened: Any) -> None:
     page = opened(JUDGED[0])
     whole = page.view
@@ -270,6 +280,7 @@ def test_signals_of_an_identification_zoom_as_those_of_a_diagnosis(opened: Any) 
     assert not page.zoomed and page.view == whole
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "longest"), [("missing", 13_000), *((kind, 6_500) for kind in JUDGED)])
 def test_phone_has_no_sideways_scroll_and_no_more_length_than_needed(kind: str, longest: int, opened: Any) -> None:
     page = opened(kind, viewport=PHONE, is_mobile=True, has_touch=True)
@@ -282,6 +293,7 @@ def test_phone_has_no_sideways_scroll_and_no_more_length_than_needed(kind: str, 
     assert more.is_visible()
 
 
+@pytest.mark.slow
 def test_command_is_copied(opened: Any) -> None:
     page = opened("missing", permissions=["clipboard-read", "clipboard-write"])
     page.page.click("[data-copy]")
@@ -289,6 +301,7 @@ def test_command_is_copied(opened: Any) -> None:
     assert page.page.evaluate("navigator.clipboard.readText()").startswith("ema add mine.toml stribeck_friction --fit today.csv")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["missing", JUDGED[2]])
 def test_it_prints_on_few_sheets(kind: str, opened: Any) -> None:
     page = opened(kind, color_scheme="dark")

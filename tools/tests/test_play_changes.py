@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from itertools import product
 from pathlib import Path
 from types import SimpleNamespace
@@ -165,8 +166,14 @@ def of_speed(
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("width", [0.0, 0.024, 0.08])
+def some(cases: Iterable[tuple[Any, ...]], quick: Collection[tuple[Any, ...]]) -> list[Any]:
+    """All cases, those that are not `quick` for the long suite."""
+    return [pytest.param(*case, marks=() if case in quick else pytest.mark.slow) for case in cases]
+
+
+@pytest.mark.parametrize(
+    ("width", "kind"), some(product((0.0, 0.024, 0.08), KINDS), [(0.0, "pick and place"), (0.024, "sweep"), (0.08, "pick and place")])
+)
 def test_interval_of_the_width_holds_beside_an_integrated_speed(sheet: Actuator, width: float, kind: str) -> None:
     cases = product((0.1, 1.0), (0.002, 0.01), (0.0, 0.5), (False, True))
     for number, (rpm, lag_s, offset_rpm, by_load) in enumerate(cases, 1):
@@ -213,9 +220,10 @@ def changed(sheet: Actuator, before: float, today: float, seed: int, **drive: An
     return found[0] if found else None
 
 
-@pytest.mark.parametrize("by_load", [False, True], ids=["friction", "load"])
-@pytest.mark.parametrize("rpm", [0.1, 1.0])
-@pytest.mark.parametrize("width", [0.0, 0.024, 0.08])
+@pytest.mark.parametrize(
+    ("width", "rpm", "by_load"),
+    some(product((0.0, 0.024, 0.08), (0.1, 1.0), (False, True)), [(0.0, 0.1, False), (0.024, 1.0, True), (0.08, 0.1, True)]),
+)
 def test_only_a_play_that_has_grown_is_a_change_by_the_speed(sheet: Actuator, width: float, rpm: float, by_load: bool) -> None:
     same = changed(sheet, width, width, 100, rpm=rpm, by_load=by_load)
     assert same is not None and not same.counts

@@ -67,7 +67,8 @@ def colours_of(path: Path) -> set[str]:
     return {colour for colour in (style.MEASURED, style.BEFORE, style.AFTER, style.NOISE, style.OTHER) if colour in text}
 
 
-@pytest.mark.parametrize("kind", RESULTS)
+# Matplotlib needs a second for two pictures.
+@pytest.mark.parametrize("kind", [pytest.param(kind, marks=() if kind in ("compared", "mapped") else pytest.mark.slow) for kind in RESULTS])
 def test_each_result_gives_its_pictures_in_both_forms(kind: str, tmp_path: Path) -> None:
     make, kinds = RESULTS[kind]
     written = write_pictures(make(), tmp_path, "x")
@@ -92,6 +93,7 @@ def test_each_result_gives_its_pictures_in_both_forms(kind: str, tmp_path: Path)
             assert "<image" not in path.read_text(encoding="utf-8") or "friction" in path.name
 
 
+@pytest.mark.slow
 def test_pictures_say_what_the_result_says(tmp_path: Path) -> None:
     write_pictures(result_of(diagnosis("missing")), tmp_path, "d")
     ladder = words_of(tmp_path / "d_ladder.svg")
@@ -141,6 +143,7 @@ def test_pictures_say_what_the_result_says(tmp_path: Path) -> None:
     assert "4.08 %" in words_of(tmp_path / "c_balances.svg") and "rod position: speed 0 to 5 mm/s" in words_of(tmp_path / "c_where.svg")
 
 
+@pytest.mark.slow
 def test_the_ladder_stands_at_its_values(tmp_path: Path) -> None:
     write_pictures(result_of(diagnosis("missing")), tmp_path, "d")
     pixels = image.imread(tmp_path / "d_ladder.png")[..., :3]

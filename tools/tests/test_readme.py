@@ -10,13 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from demo_run import demo_run
 from ema_tools.cli import cli
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
 from ema_tools.library.definitions import library_folder
 from ema_tools.tasks.export import header_text
-from shown_output import blocks, missing_from
+from shown_output import missing_from, shown_by_demo
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -58,9 +57,7 @@ def _blocks(language: str) -> list[str]:
 
 @pytest.mark.slow
 def test_output_is_what_the_demo_prints() -> None:
-    shown = [block for block in blocks(ROOT / "README.md") if "recorded 5 times" in block or "paper's" in block]
-    assert len(shown) == 2
-    assert [missing_from(block, demo_run()[1]) for block in shown] == ["", ""]
+    assert [missing_from(block, real) for block, real in shown_by_demo()] == ["", ""]
 
 
 def test_firmware_example_finds_the_fault(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ HEADER = EXPORTED / "ace_signatures.h"
 # The firmware's record is what it was fed, in counts: its values are what the session saw.
 PROGRAM = """
 #include "ace.c"
-#include "ema_record_row.h"
+#include "ident/ema_record_row.h"
 #include <stdio.h>
 
 int main(void)
@@ -81,7 +81,7 @@ def flight(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     folder = tmp_path_factory.mktemp("flight")
     (folder / "main.c").write_text(PROGRAM, encoding="utf-8")
     template = ROOT / "port" / "template"
-    places = [f"-I{place}" for place in (ROOT / "include", ROOT / "src" / "base", ROOT / "src" / "ident", EXAMPLE, EXPORTED, template)]
+    places = [f"-I{place}" for place in (ROOT / "include", ROOT / "src", EXAMPLE, EXPORTED, template)]
     sources = ["main.c", str(template / "ace_board.c"), str(template / "ace_plant.c"), str(archive), "-lm"]
     flags = ["-std=c11", "-O2", "-ffp-contract=off", *MACHINES[request.param]]
     subprocess.run([compiler, *flags, *places, *sources, "-o", "main"], cwd=folder, check=True)

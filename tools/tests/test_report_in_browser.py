@@ -56,7 +56,7 @@ def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
         context.close()
 
 
-@pytest.mark.parametrize("viewport", [LAPTOP, PHONE])
+@pytest.mark.parametrize("viewport", [LAPTOP, pytest.param(PHONE, marks=pytest.mark.slow)])
 def test_every_curve_is_drawn_without_complaint(viewport: dict[str, int], opened: Any) -> None:
     page, complaints = opened(identified(case="A"), identified(name="today"), compared(), viewport=viewport)
     assert complaints == []
@@ -71,6 +71,7 @@ def test_every_curve_is_drawn_without_complaint(viewport: dict[str, int], opened
     assert page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
 
 
+@pytest.mark.slow
 def test_what_is_zoomed_in_one_is_zoomed_in_all_of_its_result(opened: Any) -> None:
     page, complaints = opened(identified(name="a"), identified(name="b"))
     views = lambda: [one.get_attribute("data-view") for one in page.locator("[data-curves]").all()]  # noqa: E731
@@ -101,6 +102,7 @@ def test_what_is_zoomed_in_one_is_zoomed_in_all_of_its_result(opened: Any) -> No
 _DRAWN = """(of) => [...document.querySelectorAll(`[data-curves="${of}"] .main canvas, [data-curves="${of}"] .rest canvas`)].map((one) => one.toDataURL())"""
 
 
+@pytest.mark.slow
 def test_a_series_of_curves_is_switched_by_its_key_in_its_own_result_alone(opened: Any) -> None:
     page, complaints = opened(identified(name="a"), identified(name="b"))
     drawn = lambda of: page.evaluate(_DRAWN, of)  # noqa: E731
@@ -122,6 +124,7 @@ def test_a_series_of_curves_is_switched_by_its_key_in_its_own_result_alone(opene
     assert drawn("result-1") == first and complaints == []
 
 
+@pytest.mark.slow
 def test_a_series_of_a_picture_is_switched_by_its_key(opened: Any) -> None:
     page, complaints = opened(mapped())
     figures = page.locator("#law figure")
@@ -141,6 +144,7 @@ def _shown(page: Any, series: str) -> int:
     return found
 
 
+@pytest.mark.slow
 def test_a_series_of_a_fleet_and_of_its_units_is_switched_without_a_script(browser: Any, tmp_path: Path) -> None:
     rows = [*drifting("wears", 1.2, 3), *drifting("still", 0.0, 2)]
     units = histories(rows, LIMITS)
@@ -177,6 +181,7 @@ def test_a_series_of_a_fleet_and_of_its_units_is_switched_without_a_script(brows
     context.close()
 
 
+@pytest.mark.slow
 def test_a_moment_of_a_diagnosis_zooms_its_curves(opened: Any) -> None:
     page, complaints = opened(made(), identified())
     picture = page.locator('[data-zooms="result-1"]')
@@ -192,6 +197,7 @@ def test_a_moment_of_a_diagnosis_zooms_its_curves(opened: Any) -> None:
 MANY = (judged(JUDGED[0]), judged(JUDGED[1]), judged(JUDGED[2]), made(), compared(name="today.csv"), mapped())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("viewport", [SMALL, PHONE], ids=["laptop", "phone"])
 def test_the_first_screen_says_what_each_result_concludes(viewport: dict[str, int], opened: Any) -> None:
     page, complaints = opened(*MANY, viewport=viewport)
@@ -213,6 +219,7 @@ def test_the_first_screen_says_what_each_result_concludes(viewport: dict[str, in
     assert complaints == []
 
 
+@pytest.mark.slow
 def test_a_link_opens_what_it_leads_to_and_draws_it(opened: Any) -> None:
     page, complaints = opened(*MANY)
     page.click('.tiles a[href="#result-2"]')
@@ -227,6 +234,7 @@ def test_a_link_opens_what_it_leads_to_and_draws_it(opened: Any) -> None:
     assert complaints == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("look", [LAPTOP, PHONE], ids=["laptop", "phone"])
 @pytest.mark.parametrize("results", [MANY, (mapped(),)], ids=["several", "map"])
 def test_no_reader_is_hindered(results: tuple[dict[str, Any], ...], look: dict[str, int], opened: Any) -> None:
@@ -236,6 +244,7 @@ def test_no_reader_is_hindered(results: tuple[dict[str, Any], ...], look: dict[s
         assert not_reached(page) == []
 
 
+@pytest.mark.slow
 def test_a_map_answers_on_its_first_screen(opened: Any) -> None:
     page, complaints = opened(mapped(), viewport=SMALL)
     assert (

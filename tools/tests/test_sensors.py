@@ -42,8 +42,8 @@ def suspected(record: Record) -> Suspect | None:
     ("change", "channel", "factor", "offset", "late_ms"),
     [
         (lambda r: replace(r, current_A=1.2 * r.current_A), "current_A", 1.2, 0.0, 0.0),
-        (lambda r: replace(r, current_A=r.current_A + 0.5), "current_A", 1.0, 0.5, 0.0),
-        (lambda r: replace(r, voltage_V=0.9 * r.voltage_V - 1.0), "voltage_V", 0.9, -1.0, 0.0),
+        pytest.param(lambda r: replace(r, current_A=r.current_A + 0.5), "current_A", 1.0, 0.5, 0.0, marks=pytest.mark.slow),
+        pytest.param(lambda r: replace(r, voltage_V=0.9 * r.voltage_V - 1.0), "voltage_V", 0.9, -1.0, 0.0, marks=pytest.mark.slow),
         (
             lambda r: replace(r, motor_position_mm=np.concatenate((np.zeros(LATE_ROWS), r.motor_position_mm[:-LATE_ROWS]))),
             "motor_position_mm",

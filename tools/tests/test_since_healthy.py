@@ -50,6 +50,7 @@ def test_what_counts(row: dict[str, Any], is_right: bool, is_wrong: bool) -> Non
     assert ("| k |" in text) is not is_right
 
 
+@pytest.mark.slow
 def test_a_day_changes_what_it_says_and_no_more() -> None:
     trials = plan(1)
     assert len({one.key for one in trials}) == len(trials)

@@ -42,6 +42,7 @@ def short(path: Path, rows: int = 1500) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_every_command_takes_a_name_that_is_not_utf8(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     actuator, record = f"{ODD}.toml", f"{ODD}.csv"
@@ -89,6 +90,7 @@ def test_a_name_that_is_not_utf8_reaches_the_terminal(tmp_path: Path) -> None:
     assert (ran.returncode, ran.stdout.decode(), ran.stderr) == (0, f"{SHOWN}.toml written\n", b"")
 
 
+@pytest.mark.slow
 def test_a_pipe_is_read_once(tmp_path: Path) -> None:
     path = short(tmp_path / "r.csv")
     expected = ema("compare", REFERENCE, path, folder=tmp_path, capture_output=True)

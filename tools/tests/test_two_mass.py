@@ -33,6 +33,7 @@ def rubbing_Nm(one: Recording) -> float:
     return 0.5 * gain * float(np.median(current[steady & (speed > 0.0)]) - np.median(current[steady & (speed < 0.0)]))
 
 
+@pytest.mark.slow
 def test_wear_is_what_the_signals_show() -> None:
     sheet = two_mass.unit(7, "").sheet
     sound = run({})
@@ -43,6 +44,7 @@ def test_wear_is_what_the_signals_show() -> None:
     assert rubbing_Nm(worn) - rubbing_Nm(sound) == pytest.approx(0.4 * sheet["screw.csj_Nm"], rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_day_hangs_on_its_seed_alone() -> None:
     first, again = run({}, "chirp"), run({}, "chirp")
     assert np.array_equal(first.position_mm, again.position_mm) and np.array_equal(first.current_A, again.current_A)
@@ -50,6 +52,7 @@ def test_a_day_hangs_on_its_seed_alone() -> None:
     assert not np.array_equal(first.position_mm, other.position_mm)
 
 
+@pytest.mark.slow
 def test_step_is_fine_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     """A quarter of the step moves no signal by as much as its sensor's noise."""
     coarse = run({}, "fast chirp")

@@ -138,6 +138,7 @@ def test_settings_are_split_by_kind() -> None:
             assert re.fullmatch(r"-?(\d+\.\d+(e[-+]\d+)?|\d+e[-+]\d+)", literal), f"{name}: {literal}"
 
 
+@pytest.mark.slow
 def test_control_law_inputs_are_exact_in_float32_and_saturate_sometimes() -> None:
     for case in parts.PID_CASES:
         rows = parts.pid_rows(case)

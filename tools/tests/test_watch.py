@@ -41,6 +41,7 @@ def append(path: Path, lines: list[bytes]) -> None:
         stream.write(b"".join(lines))
 
 
+@pytest.mark.slow
 def test_it_follows_searches_and_judges(tmp_path: Path) -> None:
     path, clock = tmp_path / "r.csv", Clock()
     actuator = read_actuator(REFERENCE)

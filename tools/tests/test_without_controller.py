@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from ema_tools.tasks.diagnose_by_balance import BalanceAnswer
 from ema_tools.tasks.method import diagnosed
 from ema_tools.words.answers.calibration import calibration_by_balance
 from ema_tools.words.answers.method import diagnosis
+from shared_results import shared_folder
 from support import complaint, run_ema
 
 INERTIA, VISCOUS, CSJ, LOAD = "screw.inertia_kgm2", "screw.viscous_Nm_s_per_rad", "screw.csj_Nm", "screw.load_torque_Nm"
@@ -57,6 +59,7 @@ def runs(load_Nm: float = 0.0, drag: float = 0.0, csj_Nm: float = TRUE[CSJ], fir
     return [swinging(first + seed, speed, load_Nm, drag, csj_Nm) for seed, speed in enumerate((60.0, 90.0, 130.0))]
 
 
+@pytest.mark.slow
 def test_adding_says_what_the_diagnosis_says_to_the_digit() -> None:
     given, records, model = machine(), runs(0.006, 2e-6), machine()
     found = improve_by_forces(given, records)
@@ -93,6 +96,7 @@ def test_what_is_kept_stays_and_what_is_bounded_stays_inside() -> None:
     assert inside.errors.training == pytest.approx(free.errors.training, rel=1e-9) and not inside.at_ends
 
 
+@pytest.mark.slow
 def test_bounds_hold_beside_accepted_effects() -> None:
     given, records = machine(), runs(0.006, 2e-6)
     found = improve_by_forces(given, records, fixes=fixes_of(given, ["csj=0.0215..0.03", "inertia"]))
@@ -101,6 +105,7 @@ def test_bounds_hold_beside_accepted_effects() -> None:
     assert found.steps
 
 
+@pytest.mark.slow
 def test_a_negative_inertia_ends_nothing() -> None:
     given, records = machine(), [swinging(seed, 90.0, 0.006, inertia=-1e-5) for seed in range(3)]
     assert refit_by_forces(given, records).actuator[INERTIA] == given[INERTIA]
@@ -121,21 +126,26 @@ def test_a_model_that_is_refitted_reads_the_same_with_and_without_its_effects_na
     assert drag["before"] == 1e-7 and drag["interval95"][0] < drag["after"] < drag["interval95"][1]
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    there = tmp_path_factory.mktemp("machine")
-    machine().write(there / "machine.toml")
-    (there / "today").mkdir()
+@shared_folder
+def _diagnosed(folder: Path) -> None:
+    machine().write(folder / "machine.toml")
+    (folder / "today").mkdir()
     for record in runs(0.006):
-        write_motion_record(there / "today" / record.file, record)
-    return there
+        write_motion_record(folder / "today" / record.file, record)
+    ran = run_ema("diagnose", folder / "machine.toml", folder / "today", "--json", folder / "d.json", "--report", folder / "d.html")
+    assert ran.code == 0, ran.err
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """The machine, records of today, and what `ema diagnose` writes of them."""
+    shutil.copytree(_diagnosed(), tmp_path, dirs_exist_ok=True)
+    return tmp_path
 
 
 def test_the_commands_agree(folder: Path) -> None:
     """diagnose, add and compare count with one yardstick."""
     toml, new = folder / "machine.toml", folder / "new.toml"
-    ran = run_ema("diagnose", toml, folder / "today", "--json", folder / "d.json")
-    assert ran.code == 0, ran.err
     ran = run_ema("add", toml, "constant_load", folder / "today", "-o", new, "--json", folder / "a.json", "--report", folder / "a.html")
     assert ran.code == 0, ran.err
     assert "By the balance of forces: run_0.csv holds no command_mm" in ran.out.replace("\n", " ")
@@ -204,7 +214,7 @@ HEALTHY = [
 ]
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(2, marks=pytest.mark.release), 1])
+@pytest.mark.parametrize("count", [pytest.param(5, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.release), 1])
 def test_another_healthy_record_is_accused_of_nothing(count: int) -> None:
     found = diagnosed(machine(), [swinging(3, 85.0, csj_Nm=1.005 * TRUE[CSJ])], HEALTHY[:count])
     assert isinstance(found, BalanceAnswer) and found.healthy is not None
@@ -351,7 +361,6 @@ def test_an_effect_that_helps_the_balance_alone_is_refused(monkeypatch: pytest.M
 
 
 def test_the_forward_solution_stands_beside_the_balance(folder: Path) -> None:
-    assert run_ema("diagnose", folder / "machine.toml", folder / "today", "--json", folder / "d.json", "--force").code == 0
     result = json.loads((folder / "d.json").read_text(encoding="utf-8"))
     assert (
         result["forward"]["after"] < result["forward"]["before"]
@@ -362,9 +371,7 @@ def test_the_forward_solution_stands_beside_the_balance(folder: Path) -> None:
 
 def test_the_page_draws_what_people_know(folder: Path) -> None:
     """Torque against speed, over one turn of the motor, and its loop at reversals; before and after the model lies off and on the record."""
-    ran = run_ema("diagnose", folder / "machine.toml", folder / "today", "--json", folder / "p.json", "--report", folder / "p.html")
-    assert ran.code == 0, ran.err
-    pictures = json.loads((folder / "p.json").read_text(encoding="utf-8"))["where"]["pictures"]
+    pictures = json.loads((folder / "d.json").read_text(encoding="utf-8"))["where"]["pictures"]
     against = pictures["torque_speed"]
     measured, model = (np.interp(100.0, against[side]["center"], against[side]["mean"]) for side in ("measured", "expected"))
     assert model == pytest.approx(measured, rel=0.02)
@@ -372,7 +379,7 @@ def test_the_page_draws_what_people_know(folder: Path) -> None:
     turn = pictures["turn"]
     assert len(turn["measured"]["center"]) > 40 and max(map(abs, turn["measured"]["mean"])) < 0.1 * TRUE[CSJ]
     assert len(pictures["hysteresis"]["torque"]["measured"]["x"]) == len(pictures["hysteresis"]["torque"]["model"]["x"]) > 100
-    page = (folder / "p.html").read_text(encoding="utf-8")
+    page = (folder / "d.html").read_text(encoding="utf-8")
     for title in (
         "Torque against speed",
         "Torque over one turn of the motor, less base values",

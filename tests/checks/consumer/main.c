@@ -1,7 +1,7 @@
 /* A program of another project: one step of the reference actuator towards 1 mm must move the motor forward. */
 #include <stdio.h>
 
-#include "ema/ema_model.h"
+#include "ema/ema.h"
 
 int main(void)
 {

@@ -2,7 +2,7 @@
  * builds can be compared to the bit. */
 #include <stdio.h>
 
-#include "ema/ema_model.h"
+#include "ema/ema.h"
 
 int main(void)
 {

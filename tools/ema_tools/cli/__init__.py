@@ -412,6 +412,7 @@ def diagnose(
     """Say which physical effect ACTUATOR's model lacks on REC, or that none is missing, or that the library does not hold it.
 
     REC and --healthy take files, patterns and folders. With --healthy the question is what has changed on this machine, without it what the model lacks.
+    A file that ema calibrate wrote names the unit's healthy runs, and they serve as --healthy where none is given.
     Several records are held out in turn: what helps on all of them is no chance.
     """
     from ema_tools.data.actuator import read_actuator
@@ -421,6 +422,7 @@ def diagnose(
     from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
+    from ema_tools.tasks.own_runs import baseline_of
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.method import diagnosis
     from ema_tools.words.sentences.paths import with_paths
@@ -433,6 +435,8 @@ def diagnose(
     records = [read_any_record(path, model) for path in record]
     measured = records[0]
     references = [read_any_record(path, model) for path in healthy]
+    if not references and method != "balance":
+        references = list(baseline_of(model, records))
     other = read_any_record(holdout, model) if holdout else None
     way, fixes = chosen(model, records, references, other, method), fixes_of(model, fixed)
     with progress("diagnosing", 100) as bar:
@@ -550,6 +554,7 @@ def add(
     from ema_tools.tasks.add_by_balance import add_by_balance
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.method import check_fixes, chosen
+    from ema_tools.tasks.own_runs import baseline_of
     from ema_tools.tasks.simulate import with_settings
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.addition import addition, addition_by_balance, setting
@@ -582,6 +587,8 @@ def add(
         raise InputError(f"add {effect}: --known: the healthy records say what the machine is like: leave one of the two out")
     records = [read_any_record(path, model) for path in files]
     references = [read_any_record(path, model) for path in healthy]
+    if not (references or known or method == "balance"):
+        references = list(baseline_of(model, records))
     other = read_any_record(holdout, model) if holdout else None
     fixes = fixes_of(model, fixed)
     if known and (method == "balance" or len(records) > 1):

@@ -1,6 +1,6 @@
 """The number of the two lists that make an actuator: `EMA_CONFIG_SCHEMA`. A configuration that is flown carries it, so that one of other lists is refused.
 
-`python -m ema_tools.library.schema include/ema/ema_schema.h` writes it into that header, for the lists without effects of the user's own.
+`python -m ema_tools.library.schema include/ema/detail/ema_schema.h` writes it into that header, for the lists without effects of the user's own.
 """
 
 from __future__ import annotations

@@ -6,8 +6,13 @@ import contextlib
 import hashlib
 import itertools
 import math
+import multiprocessing
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import signal
+import sys
+import threading
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, ProcessPoolExecutor, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,6 +39,7 @@ _JUDGED_AS = 1  # rises when the same recording is to be judged anew, and not wi
 _AHEAD = 4  # batches that wait for each worker: what is sent is a list of paths, and memory does not grow with the fleet [layout]
 RESULTS, UNITS = "results", "units"
 _KILLED = "every worker that judged it was killed: look at it alone with ema identify, and at the memory of the machine"
+_TRIES = 3  # times that a batch whose worker was killed is judged again by itself [layout]
 _LEAST_RUNS = 2  # healthy runs of one command that show a unit itself [chance]
 
 
@@ -87,13 +93,93 @@ def planned(entries: Sequence[Entry], folder: Path, guarded: bool) -> tuple[list
 def run_fleet(
     batches: Iterable[Batch], scheduler: str | None = None, workers: int | None = None, done: Callable[[int, int], None] | None = None
 ) -> tuple[int, int]:
-    """Judge what is planned; how many recordings were, and how many of them are bad.
+    """Judge what is planned; returns how many recordings were judged, and how many of them are bad.
 
-    `scheduler`: the address of a Dask cluster that sees the same folders, else processes of this machine, as many as it has cores unless `workers` says otherwise. `done` is told
-    after every batch. Raises InputError where the scheduler does not answer.
+    `scheduler`: the address of a Dask cluster that sees the same folders; without one, processes of this machine, `workers` of them or one per core. `done` is called
+    after every batch with the numbers of good and bad recordings. Raises InputError if the scheduler does not answer or Dask is not installed.
     """
     good = bad = 0
-    with _client(scheduler, workers) as client:
+    judged = _on_cluster(batches, scheduler) if scheduler else _on_this_machine(batches, workers or len(os.sched_getaffinity(0)))
+    with contextlib.closing(judged):
+        for batch_good, batch_bad in judged:
+            good, bad = good + batch_good, bad + batch_bad
+            if done is not None:
+                done(good, bad)
+    return good + bad, bad
+
+
+def _on_this_machine(batches: Iterable[Batch], workers: int) -> Generator[tuple[int, int], None, None]:
+    """Good and bad recordings of each batch, judged by processes of this machine. After a worker was killed, each batch at work then is judged by itself."""
+    ahead = _AHEAD * workers
+    left = firsts_first(batches, ahead)
+    while first := list(itertools.islice(left, ahead)):
+        lost: list[Batch] = []
+        with _processes(workers) as pool:
+            at_work = {pool.submit(judge, batch): batch for batch in first}
+            while at_work:
+                finished, _ = wait(at_work, return_when=FIRST_COMPLETED)
+                for future in finished:
+                    batch = at_work.pop(future)
+                    if isinstance(future.exception(), BrokenExecutor):
+                        lost.append(batch)
+                    else:
+                        yield future.result()
+                for batch in itertools.islice(left, 0 if lost else ahead - len(at_work)):
+                    try:
+                        at_work[pool.submit(judge, batch)] = batch
+                    except BrokenExecutor:
+                        lost.append(batch)
+        for batch in lost:
+            yield from _by_itself(batch)
+
+
+def _by_itself(batch: Batch) -> Iterator[tuple[int, int]]:
+    """Good and bad recordings of a batch judged in a process of its own; recording by recording if that is killed, and the one that its process does not survive is bad."""
+    for _ in range(_TRIES):
+        with _processes(1) as pool:
+            future = pool.submit(judge, batch)
+            if not isinstance(future.exception(), BrokenExecutor):
+                yield future.result()
+                return
+    if len(batch.entries) == 1:
+        yield _killed(batch)
+    else:
+        for alone in batch.alone():
+            yield from _by_itself(alone)
+
+
+@contextlib.contextmanager
+def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin_worker)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _begin_worker() -> None:
+    """Ctrl-C ends a worker without a traceback, and no worker outlives the process that began it."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _killed(batch: Batch) -> tuple[int, int]:
+    """The one recording of the batch is bad, since its worker is killed each time."""
+    write_part(Path(batch.results), [replace(_row(batch, 0), status="bad", reason=f"{batch.entries[0].file}: {_KILLED}")])
+    return 0, 1
+
+
+def _on_cluster(batches: Iterable[Batch], scheduler: str) -> Generator[tuple[int, int], None, None]:
+    """Good and bad recordings of each batch, judged by the workers of a Dask cluster. Raises InputError."""
+    with _client(scheduler) as client:
         from distributed import KilledWorker, as_completed
 
         ahead = _AHEAD * max(1, len(client.scheduler_info()["workers"]))
@@ -111,21 +197,16 @@ def run_fleet(
         for future in following:
             batch = at_work.pop(future.key)
             try:
-                one_good, one_bad = future.result()
+                yield future.result()
             except KilledWorker:
                 if len(batch.entries) > 1:
                     # one of them takes its worker with it: by itself it is known, and the others are judged
                     for alone in batch.alone():
                         begin(alone)
                     continue
-                write_part(Path(batch.results), [replace(_row(batch, 0), status="bad", reason=f"{batch.entries[0].file}: {_KILLED}")])
-                one_good, one_bad = 0, 1
-            good, bad = good + one_good, bad + one_bad
-            if done is not None:
-                done(good, bad)
+                yield _killed(batch)
             for further in itertools.islice(left, 1):
                 begin(further)
-    return good + bad, bad
 
 
 def firsts_first(batches: Iterable[Batch], units: int) -> Iterator[Batch]:
@@ -137,35 +218,28 @@ def firsts_first(batches: Iterable[Batch], units: int) -> Iterator[Batch]:
 
 
 @contextlib.contextmanager
-def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
+def _client(scheduler: str) -> Iterator[Client]:
     try:
-        import dask
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ImportError:
-        raise InputError("ema fleet needs Dask: install ema_tools with its extra `fleet`, or the packages dask and distributed") from None
+        raise InputError(f"--scheduler needs Dask, which is not installed: {_how_to_install()}, or leave --scheduler out") from None
 
-    # a worker that was killed costs its batch another try, and nothing else
-    quiet = {"distributed.worker.daemon": False, "distributed.logging.distributed": "error", "distributed.scheduler.allowed-failures": 3}
-    with dask.config.set(quiet):
-        if scheduler:
-            try:
-                with Client(scheduler, timeout=10) as client:
-                    yield client
-            except (OSError, ValueError) as error:
-                raise InputError(
-                    f"--scheduler {scheduler}: no cluster answers there ({error}): start one by dask scheduler, or leave it out"
-                ) from None
-            return
-        count = workers or len(os.sched_getaffinity(0))
-        with (
-            LocalCluster(
-                n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1", silence_logs=50
-            ) as cluster,
-            Client(cluster) as client,
-        ):
-            # a worker that is killed while it starts is not started again by its nanny: without any, nothing would ever end
-            cluster.adapt(minimum=count, maximum=count)
-            yield client
+    try:
+        client = Client(scheduler, timeout=10)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"--scheduler {scheduler}: no cluster answers there ({error}): start one by dask scheduler, or leave it out"
+        ) from None
+    with client:
+        yield client
+
+
+def _how_to_install() -> str:
+    """What installs Dask for this Python: a target of the build folder that its environment lies in, else pip."""
+    environment = Path(sys.prefix)
+    if (environment / "run.stamp").is_file():
+        return f"run cmake --build {environment.parent} --target venv_fleet"
+    return f"run {sys.executable} -m pip install dask distributed"
 
 
 def judge(batch: Batch) -> tuple[int, int]:

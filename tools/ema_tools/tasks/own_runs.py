@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ema_tools.data.actuator import Actuator
+from ema_tools.data.any_record import AnyRecord
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record, read_record
 from ema_tools.select.baseline import same_command
@@ -22,6 +24,13 @@ def own_runs(actuator: Actuator, record: Record) -> tuple[Record, ...]:
 def _there(actuator: Actuator, record: Record) -> list[Record]:
     found = [read_record(path, actuator) for path in actuator.healthy if Path(path).is_file()]
     return [one for one in found if not same_samples(one, record)]
+
+
+def baseline_of(actuator: Actuator, records: Sequence[AnyRecord]) -> tuple[Record, ...]:
+    """The healthy runs beside which `records` are diagnosed where none are given: those of the unit's file for one record of a known controller, else none. Raises InputError as `own_runs`."""
+    if len(records) != 1 or not isinstance(records[0], Record):
+        return ()
+    return own_runs(actuator, records[0])
 
 
 def why_not_used(actuator: Actuator, record: Record) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -101,7 +102,8 @@ def test_every_place_is_filled(effect: str) -> None:
     assert record.shows.split()[0] in ("mechanical", "electrical", "kinematic", "controller")
     assert sum(other.shows == record.shows for other in described().values()) == 1
     assert example_of(effect)
-    assert (ROOT / "src" / "effects" / f"ema_effect_{effect}.c").is_file()
+    law = re.compile(rf"^(void|ema_real|ema_rod_t) ema_effect_{effect}(_adjust)?\(", re.MULTILINE)
+    assert sum(bool(law.search(path.read_text(encoding="utf-8"))) for path in (ROOT / "src" / "effects").glob("ema_effects_*.c")) == 1
     row = load_definitions().effect(effect)
     assert row.is_learned == (record.learned is not None)
     if not row.is_learned:

@@ -54,9 +54,10 @@ class HealthyMachine(Strategy):
         local = record_of(effect).local
         if local is None or not local.spot:
             return False
-        width = f"effects.{effect}.{local.spot}"
+        name = f"effects.{effect}.{local.spot}"
         # the width of an effect that the model held before is not fitted
-        return fit.values.get(width, self.evidence.actuator[row_of(width).name]) > WIDEST_SPOT * float(
+        width = fit.values[name] if name in fit.values else self.evidence.actuator[row_of(name).name]
+        return width > WIDEST_SPOT * float(
             np.ptp(self.evidence.record.command_mm)
         )
 

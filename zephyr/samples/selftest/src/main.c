@@ -1,7 +1,7 @@
 /* Whether the module works out here what it works out everywhere, to the bit. */
 #include <stdio.h>
 
-#include "ema/ema_selftest.h"
+#include "ema/ema.h"
 
 int main(void)
 {

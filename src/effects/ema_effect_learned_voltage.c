@@ -1,8 +1,0 @@
-/* Change of the motor voltage that was learned against one axis. */
-#include "ema_effect_sites.h"
-#include "ema_table.h"
-
-ema_real ema_effect_learned_voltage(const ema_effect_learned_voltage_t* effect, const ema_site_t* site)
-{
-    return ema_table_value(EMA_TABLE_OF(effect), site);
-}
