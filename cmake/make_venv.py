@@ -69,7 +69,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--venv", type=Path, required=True)
     parser.add_argument("--lock", type=Path, required=True, action="append", help="file of packages; may be given several times")
-    parser.add_argument("--versions", type=Path, help="another lock, which has the versions of the packages that the others name without one")
+    parser.add_argument(
+        "--versions", type=Path, help="another lock, which has the versions of the packages that the others name without one"
+    )
     parser.add_argument("--package", type=Path, required=True)
     parser.add_argument("--stamp", type=Path, required=True)
     parser.add_argument("--kind", choices=tuple(WHAT), required=True)

@@ -29,7 +29,7 @@ typedef enum {
     EMA_GUARDED_FEEDING = 0,
     EMA_GUARDED_STARTING = 1, /* the run that gives the search its start */
     EMA_GUARDED_SESSION = 2,  /* search and assessment */
-    EMA_GUARDED_LOOKING = 3,  /* the run at the best point */
+    EMA_PHASE_SCREENING = 3,  /* the run at the best point */
     EMA_GUARDED_DONE = 4
 } ema_guarded_phase_t;
 

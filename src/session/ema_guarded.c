@@ -77,7 +77,7 @@ static void ema_guarded_ended(ema_guarded_t* guarded)
     if (ema_guarded_placed(guarded)) {
         guarded->finding = ema_no_finding;
         if (ema_scoring_start(&guarded->session, guarded->signatures) == EMA_OK) {
-            guarded->phase = EMA_GUARDED_LOOKING;
+            guarded->phase = EMA_PHASE_SCREENING;
         }
     }
 }
@@ -85,7 +85,7 @@ static void ema_guarded_ended(ema_guarded_t* guarded)
 /* Makes at most `steps` model steps beside the table: before the session, or after its result is kept. */
 static void ema_guarded_score(ema_guarded_t* guarded, uint32_t steps)
 {
-    const bool looking = guarded->phase == EMA_GUARDED_LOOKING;
+    const bool looking = guarded->phase == EMA_PHASE_SCREENING;
     uint64_t* const model_steps = looking ? &guarded->result.model_steps : &guarded->session.model_steps;
     uint32_t* const evaluations = looking ? &guarded->result.evaluations : &guarded->session.evaluations;
     *model_steps += ema_scoring_run(&guarded->session, steps);
@@ -129,7 +129,7 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         status = EMA_ERR_RANGE;
     }
     if (status == EMA_OK) {
-        if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_GUARDED_LOOKING)) {
+        if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_PHASE_SCREENING)) {
             ema_guarded_score(guarded, steps);
         } else if (guarded->phase != EMA_GUARDED_DONE) {
             /* the session's own runs, from here, where the stack is lowest */
@@ -153,7 +153,7 @@ ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* resu
     if ((guarded == NULL) || (result == NULL)) {
         return EMA_ERR_NULL;
     }
-    const bool ended = (guarded->phase == EMA_GUARDED_LOOKING) || (guarded->phase == EMA_GUARDED_DONE);
+    const bool ended = (guarded->phase == EMA_PHASE_SCREENING) || (guarded->phase == EMA_GUARDED_DONE);
     ema_status_t status = EMA_OK;
     if (ended) {
         ema_copy(result, &guarded->result, sizeof *result);
@@ -162,7 +162,7 @@ ema_status_t ema_guarded_result(const ema_guarded_t* guarded, ema_result_t* resu
     }
     if ((status == EMA_OK) && (guarded->signatures != NULL) && ended) {
         const ema_finding_kind_t kind = guarded->finding.kind;
-        if (guarded->phase == EMA_GUARDED_LOOKING) {
+        if (guarded->phase == EMA_PHASE_SCREENING) {
             result->reasons |= (uint32_t)EMA_REASON_NOT_FINISHED;
         } else if (kind == EMA_FINDING_NONE) {
             result->reasons |= (uint32_t)EMA_REASON_OTHER_COMMAND;

@@ -283,7 +283,7 @@ static void order_and_refusals(void)
     TEST_ASSERT_EQUAL_INT(EMA_GUARDED_STARTING, ema_guarded_phase(&guarded));
     EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_guarded_feed(&guarded, &sample));
     EMA_ASSERT_STATUS(EMA_ERR_ORDER, ema_guarded_result(&guarded, &result, &finding));
-    while (ema_guarded_phase(&guarded) != EMA_GUARDED_LOOKING) {
+    while (ema_guarded_phase(&guarded) != EMA_PHASE_SCREENING) {
         EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1000U));
     }
     EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, &finding));

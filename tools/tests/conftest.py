@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import time
 from pathlib import Path
 
 from ema_tools.base.one_thread import one_thread_unless_told
@@ -18,6 +20,10 @@ settings.register_profile("ema", deadline=None, derandomize=True)
 settings.load_profile("ema")
 
 
+BEGAN_S = time.monotonic()
+# `.ci/run` begins no long test after this time; every other run has no such limit.
+BEGIN_WITHIN_S = float(os.environ.get("EMA_TESTS_BEGIN_WITHIN_S", "inf"))
+
 # Files that take longest begin, so that no worker waits for the last of them. What shares a compiled model or a run of the demo stands together: a worker's own part is in one piece.
 FIRST = (
     *("test_reference", "test_vectors", "test_forms"),
@@ -29,6 +35,14 @@ FIRST = (
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The order of the files; within one it stays."""
+    """The order of the files; within one it stays. With a limit of time it is that of the command line."""
+    if BEGIN_WITHIN_S < float("inf"):
+        return
     place = {name: number for number, name in enumerate(FIRST)}
     items.sort(key=lambda item: place.get(Path(item.path).stem, len(FIRST)))
+
+
+def pytest_runtest_setup() -> None:
+    """Skips a test that would begin too late."""
+    if time.monotonic() - BEGAN_S > BEGIN_WITHIN_S:
+        pytest.skip("the time for long tests is used up: `.ci/run --all` runs all of them")

@@ -20,7 +20,7 @@ from ema_tools.data.records import Record
 
 FOLDER = Path(__file__).resolve().parent / "records"
 MANIFEST = FOLDER / "manifest.json"
-HOT_DEGC = 40.0
+HOT = {"winding_heating.rise_degC": 40.0}
 
 
 def _worn_in_eight() -> dict[str, Reals]:
@@ -32,19 +32,20 @@ def _worn_in_eight() -> dict[str, Reals]:
     return asdict(simulate_truth(problems.TRUTH[8], chirp(times_s(problems.ROWS))))
 
 
-def _day(warmer_degC: float, command: str, seed: int) -> dict[str, Reals]:
-    """A day of the second unit, which has Coulomb friction, with its winding warmer than the actuator file says: what its sensors show."""
+def _day(changes: dict[str, float], command: str, seed: int) -> dict[str, Reals]:
+    """A day of the second unit, which has Coulomb friction, with changes: what its sensors show."""
     from benchmarks.hidden.machines import machine, measured
 
-    run = measured(machine(2), {"winding_heating.rise_degC": warmer_degC} if warmer_degC else {}, command, seed)
+    run = measured(machine(2), changes, command, seed)
     return {name: getattr(run, name) for name in ("command_mm", "position_mm", "motor_position_mm", "current_A", "voltage_V")}
 
 
 MADE: dict[str, Callable[[], dict[str, Reals]]] = {
     "worn_in_eight": _worn_in_eight,
-    **{f"healthy_{seed}": partial(_day, 0.0, "chirp", seed) for seed in range(700, 706)},
-    "hot_801": partial(_day, HOT_DEGC, "chirp", 801),
-    "hot_802": partial(_day, HOT_DEGC, "multisine", 802),
+    **{f"healthy_{seed}": partial(_day, {}, "chirp", seed) for seed in range(700, 706)},
+    "hot_801": partial(_day, HOT, "chirp", 801),
+    "worn_780": partial(_day, {"screw.csj_Nm": 0.2}, "chirp", 780),
+    "hot_802": partial(_day, HOT, "multisine", 802),
 }
 
 

@@ -123,6 +123,7 @@ def test_the_present_test_and_better_ones(found: Detection) -> None:
         assert all(limit.threshold < limit.alone for limit in one.onboard.values())
 
 
+@pytest.mark.slow
 def test_what_is_not_safe_or_shows_no_play_is_left_out(found: Detection) -> None:
     limits = limits_of(reference_actuator())
     assert all(one.peak_current_A <= limits.current_A and one.peak_speed_mm_s <= limits.speed_mm_s for one in found.options)

@@ -349,11 +349,10 @@ def test_a_step_that_raises_the_error_held_out_is_refuted_with_all_that_follow()
     assert refuted([Rung((), "", 9.0, None, (9.0, None)), Rung(("a",), "a", 2.0, None, (2.0, None))]) == ()
 
 
-@needs_numba
 def test_repeats_of_another_command_or_too_few_are_refused(healthy: list[Record]) -> None:
     with pytest.raises(InputError, match="one healthy record tells nothing"):
         gather(reference_actuator(), healthy[-1], healthy[:1])
-    worn = dataclasses.replace(run_of({"screw.csj_Nm": 0.2}, 780), file="worn.csv")
+    worn = dataclasses.replace(day("worn_780"), file="worn.csv")
     with pytest.raises(
         InputError, match=r"worn\.csv: [\d.]+ times as far from the healthy records' median as the others are: leave it out"
     ):

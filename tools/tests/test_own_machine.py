@@ -84,6 +84,7 @@ def test_the_flight_code_judges_the_unit_by_the_rod_position_alone(number: int, 
     assert shift["screw.blk_mm"] == pytest.approx(50.0, abs=5.0)
 
 
+@pytest.mark.slow
 @needs_numba
 def test_it_holds_what_the_unit_always_has_and_what_that_costs() -> None:
     found = unit_model(2, "")

@@ -227,7 +227,9 @@ def _client(scheduler: str) -> Iterator[Client]:
     try:
         client = Client(scheduler, timeout=10)
     except (OSError, ValueError) as error:
-        raise InputError(f"--scheduler {scheduler}: no cluster answers there ({error}): start one by dask scheduler, or leave it out") from None
+        raise InputError(
+            f"--scheduler {scheduler}: no cluster answers there ({error}): start one by dask scheduler, or leave it out"
+        ) from None
     with client:
         yield client
 
