@@ -388,3 +388,13 @@ def test_a_recording_that_kills_its_worker_is_bad_and_the_others_are_judged(tmp_
     assert sorted(one.key for one in rows) == sorted(wanted.values())
     (bad,) = [one for one in rows if one.status == "bad"]
     assert "2026-06-01T0930.csv: every worker that judged it was killed" in bad.reason
+
+
+def test_an_undecided_last_record_near_a_large_shift_is_in_the_headline() -> None:
+    rows = [*(row(day, 0.1 * (day % 2)) for day in range(20)), replace(row(20, 0.0), verdict="undecided", blk_shift_percent=77.0)]
+    rows += [row(day, 0.1 * (day % 2), unit="still") for day in range(20)]
+    result = fleet_result(histories(rows, LIMITS), LIMITS, 0.01, 41, 2.0, provenance("ema fleet F -o D"))
+    assert result.sentence.startswith("None of 2 units is known to drift. Undecided near a large shift in the last record: a (BLK +77")
+    sentences = {unit.unit: unit.sentence for unit in result.units}
+    assert "undecided near BLK +77" in sentences["a"]
+    assert sentences["still"] == "still does not drift."

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 
 import numpy as np
@@ -22,6 +22,7 @@ LIMITS = {
 }  # shift at which a unit is taken out of service where nobody says another, % of the healthy value [judgement]
 FALSE_ALARM = 0.01  # of a unit whose value does not change [chance]
 _DAY_S = 86_400.0  # of a day [physics]
+LARGE = 0.5  # of its limit: a shift that an undecided record may not pass over in silence [judgement]
 UNKNOWN = Drift(False, 1.0, math.inf, (math.inf, math.inf), 0.0)  # of too few readings [layout]
 
 
@@ -57,6 +58,16 @@ class UnitHistory:
     unit: str
     rows: tuple[FleetRow, ...]
     trends: tuple[Trend, ...]
+    limits: Mapping[str, float] = field(default_factory=lambda: LIMITS)
+
+    @property
+    def undecided_near(self) -> dict[str, float]:
+        """Shifts of the last judged record by name, %, where it is undecided and they exceed a large share of their limit."""
+        last = self.last
+        if last is None or last.verdict != "undecided":
+            return {}
+        shifts = {name: last.reading(name)[0] for name in self.limits}
+        return {name: shift for name, shift in shifts.items() if shift is not None and shift > LARGE * self.limits[name]}
 
     @property
     def bad(self) -> tuple[FleetRow, ...]:
@@ -98,7 +109,7 @@ def histories(rows: Iterable[FleetRow], limits: Mapping[str, float], false_alarm
 
 def _history(unit: str, rows: tuple[FleetRow, ...], limits: Mapping[str, float], false_alarm: float) -> UnitHistory:
     trends = [_trend(name, rows, limits[name], false_alarm) for name in LIMITS]
-    return UnitHistory(unit, rows, tuple(one for one in trends if one.days.size))
+    return UnitHistory(unit, rows, tuple(one for one in trends if one.days.size), limits)
 
 
 def _trend(name: str, rows: Sequence[FleetRow], limit: float, false_alarm: float) -> Trend:

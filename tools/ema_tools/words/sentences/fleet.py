@@ -21,8 +21,10 @@ def summary(units: Sequence[UnitHistory]) -> str:
     count = f"{len(units)} unit{'s' if len(units) != 1 else ''}"
     bad = sum(len(one.bad) for one in units)
     could = f" {bad} recording{'s' if bad != 1 else ''} could not be judged." if bad else ""
+    near = [f"{one.unit} ({doubtful(one)})" for one in units if doubtful(one)]
+    could = f"{f' Undecided near a large shift in the last record: {listed(near)}.' if near else ''}{could}"
     if not drifting:
-        return f"None of {count} drifts.{could}"
+        return f"None of {count} is known to drift.{could}" if near else f"None of {count} drifts.{could}"
     first = next((one for one in units if math.isfinite(one.urgency[0])), None)
     nearest = f" {first.unit} reaches a limit first, that of {soonest(first)}." if first is not None else ""
     return f"{len(drifting)} of {count} drift{'s' if len(drifting) == 1 else ''}.{nearest}{could}"
@@ -31,10 +33,11 @@ def summary(units: Sequence[UnitHistory]) -> str:
 def unit_words(one: UnitHistory) -> str:
     """One unit in a sentence."""
     drifting = [trend for trend in one.trends if trend.change.changed]
-    if not one.trends:
+    if not one.trends and not one.undecided_near:
         return f"{one.unit}: no reading that counts."
+    near = doubtful(one)
     if not drifting:
-        return f"{one.unit} does not drift."
+        return f"{one.unit}: no drift is shown, but the last record is undecided near {near}." if near else f"{one.unit} does not drift."
     said = listed(
         [
             f"{SHORT[trend.name]} has changed by {words.shift(trend.change.by)} since {day_of(trend, trend.change.since)}"
@@ -43,6 +46,12 @@ def unit_words(one: UnitHistory) -> str:
     )
     nearest = f"; it reaches its limit of {soonest(one)}" if math.isfinite(one.urgency[0]) else ""
     return f"{one.unit}: {said}{nearest}."
+
+
+def doubtful(one: UnitHistory) -> str:
+    """Large shifts that an undecided last record reads, as "BLK +77.0 %"; empty where there are none."""
+    shifts = one.undecided_near.items()
+    return listed([f"{SHORT[name]} {words.shift(percent)}" for name, percent in shifts])
 
 
 def trend_words(trend: Trend) -> str:
