@@ -17,14 +17,16 @@ from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit.detection import UNSEEN_STDS, ShiftTest
+from ema_tools.fit.evidence import simulate_channels
 from ema_tools.fit.interval import scatter_of
 from ema_tools.fit.nuisance import share_from_run_to_run
 from ema_tools.fit.temperature import Foretold
+from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import CHANNELS, REASONS, Identification, IdentifiedValue, Progress, SearchSettings, Table
 from ema_tools.select.baseline import same_command
 from ema_tools.select.cross_check import CrossCheck, cross_check
 from ema_tools.select.healthy_records import check_apart
-from ema_tools.select.known_machine import blocked, compared, repeats_of
+from ema_tools.select.known_machine import Compared, blocked, compared, repeats_of
 from ema_tools.select.warmth import MagnetsToday, winding_alone, without_magnets
 from ema_tools.tasks.healthy_runs import DRY, Baseline, baseline_of, healthy_runs
 from ema_tools.tasks.onboard_search import (
@@ -360,10 +362,53 @@ def identify(
     table: Table | None = None,
     stage: Callable[[str], None] | None = None,
 ) -> Identified:
+    """Identify CSJ and BLK as `_identify` does, and once more with effects of the model that the healthy records lack counted for today's record alone, where that decides the verdict."""
+
+    def answered(since: Sequence[str] = ()) -> Identified:
+        return _identify(actuator, record, healthy, search, seeds, bits, progress, guarding, table, stage, since)
+
+    found = answered()
+    checked = found.checked
+    held = actuator.active_effects
+    if checked is None or not checked.against or not held or not found.objects or checked.unusable:
+        return found
+    named = tuple(effect for effect in checked.effects[:1] if effect in held)
+    if not named and checked.kind != "unknown":
+        return found
+    for since in dict.fromkeys(filter(None, (named, tuple(held)))):
+        other = answered(since)
+        if other.verdict != "undecided":
+            return other
+    return found
+
+
+def _since(beside: Compared, effects: Mapping[str, float]) -> Compared:
+    """The record against a machine that got `effects`, by name, after the healthy repeats were made."""
+    unit = beside.unit
+    machine = unit.actuator.changed(effects)
+    without = simulate_channels(unit.actuator, unit.record, unit.channels, unit.start_mm)
+    added = simulate_channels(machine, unit.record, unit.channels, unit.start_mm) - without
+    return replace(beside, unit=replace(unit, actuator=machine, repeats=tuple(repeat + added for repeat in unit.repeats)))
+
+
+def _identify(
+    actuator: Actuator,
+    record: Record,
+    healthy: Sequence[Record],
+    search: SearchSettings | None,
+    seeds: int,
+    bits: int,
+    progress: Progress | None,
+    guarding: bool,
+    table: Table | None,
+    stage: Callable[[str], None] | None,
+    since: Sequence[str],
+) -> Identified:
     """Identify CSJ and BLK on `record`, against the actuator's healthy values or those of the `healthy` records.
 
     Unless `guarding` is off, the answer is held against all signals, and an effect that the model lacks is sought behind it. `seeds` further searches
     (seed, seed + 1, ...) run beside the first and show how much the answer depends on the seed. `stage` is told what is begun, in words.
+    `since`: effects of the model that began after the healthy records were made: only today's record is compared with them.
     With a `table` of signatures the answer is the one that firmware gives with it, guarded by the table alone. Raises InputError.
     """
     begin = stage or _untold
@@ -376,7 +421,10 @@ def identify(
     seed = settings.seed if settings.seed is not None else int(actuator["search.seed"])
     settings = replace(settings, seed=seed)
     same = repeats_of(record, healthy) if table is None else ()
-    repeats = compared(actuator, record, same) if same else None
+    new = [load_definitions().effect(effect) for effect in since]
+    added = {f"effects.{value.name}": actuator[value.name] for effect in new for value in effect.parameters}
+    before = actuator.changed({f"effects.{effect.size.name}": effect.size.nominal for effect in new}) if new else actuator
+    repeats = compared(before, record, same) if same else None
     magnets: MagnetsToday | None = None
     winding: float | None = None
     baseline: Baseline | None = None
@@ -384,6 +432,7 @@ def identify(
     foretold: Foretold | None = None
     if repeats is not None:
         begin("healthy runs")
+        without, repeats = repeats, _since(repeats, added) if added else repeats
         base = repeats.known.base({})
         warm = without_magnets(repeats.known, base)
         if warm is not None:
@@ -391,12 +440,13 @@ def identify(
             repeats = replace(repeats, unit=unit)
             base = repeats.known.base({})
         winding = winding_alone(repeats.known, base) if magnets is None else None
-        runs = healthy_runs(actuator, repeats, settings, bits)
+        # the healthy runs are of the machine without what has begun since
+        runs = healthy_runs(before, without if added else repeats, settings, bits)
         baseline, settings, doubt = runs.baseline, runs.search, runs.doubt
         # grease and winding as all signals say that they are today: the search itself sees two values
         today = repeats.known.today(base)
         foretold = runs.foretold(today)
-        known = runs.known.changed(today)
+        known = runs.known.changed({**today, **added})
         if foretold is not None:
             # what the runs scatter is known to the module, as a unit's own model tells it
             percent = 100.0 * foretold.std
