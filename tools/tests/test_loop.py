@@ -72,3 +72,53 @@ def test_the_healthy_runs_of_a_calibrated_file_serve_every_command(tmp_path: Pat
     ran = run_ema("add", unit / "unit.toml", "inverter_dead_time", "--fit", today, "-o", tmp_path / "new.toml")
     assert ran.code == 0, ran.err
     assert read_actuator(str(tmp_path / "new.toml"))["inverter_dead_time.drop_V"] == pytest.approx(0.3, abs=0.02)
+
+
+def walked(command: list[str], folder: Path) -> tuple[str, dict[str, object], int]:
+    """Runs the command, then what each result advises, until `ema identify` gives a verdict: the verdict, its result, and the number of commands."""
+    for count in range(1, 7):
+        answer = folder / f"answer_{count}.json"
+        ran = run_ema(*command[1:], "--json", answer)
+        assert ran.code == 0, ran.err
+        assert "Traceback" not in ran.err
+        result = json.loads(answer.read_text(encoding="utf-8"))
+        if result["command"] == "identify" and result["verdict"] != "undecided":
+            return result["verdict"], result, count
+        assert len(result["next"]) == 1, result["sentence"]
+        command = result["next"][0]
+        assert f"{command[0]} {command[1]}" in ran.out
+    raise AssertionError(f"no verdict after six commands; the last advice is {command}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "verdict", "blk_percent"),
+    [
+        (WORN, "fault", 60.0),
+        (("--set", "effects.stribeck_friction.rise=0.4", "--set", "screw.blk_mm=0.0594"), "fault", 80.0),
+        ((), "healthy", 0.0),
+    ],
+    ids=["source resistance and backlash", "stribeck friction and backlash", "healthy"],
+)
+def test_the_advised_commands_end_at_the_true_verdict(tmp_path: Path, changes: tuple[str, ...], verdict: str, blk_percent: float) -> None:
+    healthy = [recorded(tmp_path, f"healthy_{seed}.csv", seed, "--set", f"screw.csj_Nm={level}") for seed, level in ((1, 0.1371), (2, 0.1375), (3, 0.1373))]
+    command = ["ema", "diagnose", str(REFERENCE), recorded(tmp_path, "today.csv", 9, *changes), "--healthy", *healthy]
+    found, result, _ = walked(command, tmp_path)
+    blk = result["blk_mm"]
+    assert found == verdict and isinstance(blk, dict)
+    assert blk["shift_percent"] == pytest.approx(blk_percent, abs=3.0)
+
+
+@pytest.mark.slow
+def test_two_effects_are_added_at_once_with_the_wear_beside_them(tmp_path: Path) -> None:
+    changes = ("--set", "effects.source_resistance.resistance_ohm=0.15", "--set", "effects.stribeck_friction.rise=0.3", "--set", "screw.csj_Nm=0.16")
+    healthy = [recorded(tmp_path, f"healthy_{seed}.csv", seed) for seed in (1, 2, 3)]
+    today, new, answer = recorded(tmp_path, "today.csv", 9, *changes), tmp_path / "new.toml", tmp_path / "answer.json"
+    effects = ("source_resistance", "stribeck_friction")
+    ran = run_ema("add", REFERENCE, *effects, "--fit", today, "--healthy", *healthy, "-o", new, "--json", answer)
+    assert ran.code == 0, ran.err
+    result = json.loads(answer.read_text(encoding="utf-8"))
+    assert tuple(result["effects"]) == effects and result["recommended"]
+    assert all(error > 2.0 * result["error"]["after"] for error in result["error_without"].values())
+    assert result["parameters"]["screw.csj_Nm"]["value"] == pytest.approx(0.16, rel=0.01)
+    assert read_actuator(str(new))["screw.csj_Nm"] == pytest.approx(0.138, rel=0.02)

@@ -5,6 +5,7 @@ Modules behind a command are imported by the command, so that help and errors co
 
 from __future__ import annotations
 
+import itertools
 import contextlib
 import io
 import os
@@ -125,6 +126,7 @@ def compare(actuator: str, record: str, page: str | None, precision: str, pictur
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
+    from ema_tools.words.advice import with_next
     from ema_tools.words.terminal.next_step import say_next
 
     writable(page, *picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
@@ -136,7 +138,7 @@ def compare(actuator: str, record: str, page: str | None, precision: str, pictur
         found = replace(found, unlike=unlike(model, measured, found.simulation))
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
     result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None)
-    result = replace(result, workbench=bench(model, measured) if (json_path or page) and isinstance(measured, Record) else None)
+    result = with_next(replace(result, workbench=bench(model, measured) if (json_path or page) and isinstance(measured, Record) else None))
     save(json_path, result, force)
     _page(page, result, force)
     show.comparison(output(), result, model.name)
@@ -198,8 +200,10 @@ def calibrate(
     from ema_tools.tasks.calibrate_by_balance import calibrate_by_balance
     from ema_tools.tasks.method import check_fixes, chosen_for_calibration
     from ema_tools.tasks.own_machine import of_own_machine, own_machine
+    from ema_tools.words.advice import with_next
     from ema_tools.words.answers.calibration import calibration, calibration_by_balance
     from ema_tools.words.terminal import show
+    from ema_tools.words.terminal.next_step import say_next
 
     records = record_files(records)
     writable(out, json_path=json_path, force=force, inputs=(actuator, *records))
@@ -218,9 +222,10 @@ def calibrate(
         with progress("calibrating", 100) as bar:
             by_balance = calibrate_by_balance(model, given, fixes, lambda share, text: bar.update(100.0 * share, text))
         by_balance.actuator.changed({}, {"source": said}).write(out, force)
-        told = calibration_by_balance(by_balance, out, origin, way.because)
+        told = with_next(calibration_by_balance(by_balance, out, origin, way.because))
         save(json_path, told, force)
         show.calibration(output(), told)
+        say_next(output(), told)
         output().print(f"{out} written", highlight=False)
         return
     measured = [record for record in given if isinstance(record, Record)]
@@ -236,9 +241,10 @@ def calibrate(
         found = of_own_machine(found, own, measured)
     unit = found.actuator.changed({}, {"source": said})
     replace(unit, healthy=records if own is not None else ()).write(out, force)
-    result = replace(calibration(found, out, origin, own), method_reason=way.because)
+    result = with_next(replace(calibration(found, out, origin, own), method_reason=way.because))
     save(json_path, result, force)
     show.calibration(output(), result)
+    say_next(output(), result)
     output().print(f"{out} written", highlight=False)
 
 
@@ -311,6 +317,7 @@ def identify(
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
+    from ema_tools.words.advice import with_next
     from ema_tools.words.terminal.next_step import say_next
 
     healthy = record_files(healthy)
@@ -364,6 +371,7 @@ def identify(
         reasons=tuple(with_paths(reason, actuator, [record], given) for reason in result.reasons),
         workbench=bench(found.healthy, measured) if json_path or page else None,
     )
+    result = with_next(result)
     save(json_path, result, force)
     _page(page, result, force)
     show.identification(output(), result)
@@ -425,6 +433,7 @@ def diagnose(
     from ema_tools.tasks.own_runs import baseline_of
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.answers.method import diagnosis
+    from ema_tools.words.advice import with_next
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
 
@@ -453,7 +462,7 @@ def diagnose(
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
     result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)
-    result = replace(result, next_experiment=with_paths(result.next_experiment, actuator, record, healthy))
+    result = with_next(replace(result, next_experiment=with_paths(result.next_experiment, actuator, record, healthy)))
     save(json_path, result, force)
     _page(page, result, force)
     kept = fitted if found.recommended else None
@@ -498,7 +507,7 @@ def _page(path: str | None, result: Result, force: bool) -> None:
 @cli.command(cls=TakesHealthy, short_help="Put EFFECT into ACTUATOR's model and watch the error fall.")
 @click.argument("actuator")
 @click.argument("effect")
-@click.argument("given", nargs=-1, metavar="[REC...]")
+@click.argument("given", nargs=-1, metavar="[EFFECT...] [REC...]")
 @click.option("-o", "--output", "out", required=True, metavar="NEW.toml", help="The actuator with the effect.")
 @click.option(
     "--fit",
@@ -539,33 +548,40 @@ def add(
     json_path: str | None,
     force: bool,
 ) -> None:
-    """Put EFFECT into ACTUATOR's model, fit it to a record, and show how the error falls.
+    """Put EFFECT, or several at once, into ACTUATOR's model, fit to a record, and show how the error falls.
 
     Where the controller is not known, or several records are given, it is fitted by the balance of forces as ema diagnose does, together with base values and the model's own effects.
     """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.any_record import read_any_record, record_files
     from ema_tools.data.records import Record, simulated
+    from ema_tools.library.definitions import load_definitions
     from ema_tools.library.faults import FAULTS
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.add import add as work
-    from ema_tools.tasks.add import add_to_known
+    from ema_tools.tasks.add import add_to_known, add_together
     from ema_tools.tasks.add_by_balance import add_by_balance
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.method import check_fixes, chosen
     from ema_tools.tasks.own_runs import baseline_of
     from ema_tools.tasks.simulate import with_settings
     from ema_tools.tasks.workbench import bench
+    from ema_tools.words.advice import with_next
     from ema_tools.words.answers.addition import addition, addition_by_balance, setting
     from ema_tools.words.terminal import show
 
-    files, healthy = record_files((*given, *fits), holdout), record_files(healthy, holdout)
+    names = {row.name for row in load_definitions().effects}
+    more = tuple(itertools.takewhile(lambda word: word in names, given))
+    files, healthy = record_files((*given[len(more) :], *fits), holdout), record_files(healthy, holdout)
     writable(out, page, json_path=json_path, force=force, inputs=(actuator, *healthy, *files, *filter(None, (holdout,))))
     model = read_actuator(actuator, complete=False)
     if effect in FAULTS:
         raise InputError(f"add {effect}: no effect but a value that every model has, {FAULTS[effect]}: ema identify finds it")
     effect = find_effect(effect).name
+    together = tuple(dict.fromkeys((effect, *more)))
+    if len(together) > 1 and not files:
+        raise InputError(f"add {' '.join(together)}: nothing to fit them to: give --fit REC")
     if not files:
         if not settings or page or holdout or healthy or known or fixed or method:
             raise InputError(
@@ -597,6 +613,8 @@ def add(
         )
     way = chosen(model, records, references, other, "simulation" if known else method)
     check_fixes(way, fixes)
+    if len(together) > 1 and way.method == "balance":
+        raise InputError(f"add {' '.join(together)}: the balance of forces adds one effect at a time: add {effect} first, then the next to the new file")
 
     def tell(share: float, text: str) -> None:
         bar.update(100.0 * share, text)
@@ -612,7 +630,7 @@ def add(
         said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {_few([one.file for one in records])}")))
         by_balance.actuator.changed({}, {"source": said}).write(out, force)
         origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records))
-        told = addition_by_balance(by_balance, out, origin, way.because)
+        told = with_next(addition_by_balance(by_balance, out, origin, way.because))
         save(json_path, told, force)
         _page(page, told, force)
         show.added(output(), told)
@@ -623,14 +641,17 @@ def add(
     repeats = [one for one in references if isinstance(one, Record)]
     apart = other if isinstance(other, Record) else None
     with progress("adding", 100) as bar:
-        found = add_to_known(model, effect, measured, apart, tell) if known else work(model, effect, measured, repeats, apart, tell)
-    said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {measured.file}")))
+        if len(together) > 1:
+            found = add_together(model, together, measured, repeats, apart, known, tell)
+        else:
+            found = add_to_known(model, effect, measured, apart, tell) if known else work(model, effect, measured, repeats, apart, tell)
+    said = "; ".join(filter(None, (model.about.get("source"), f"{', '.join(together)} fitted on {measured.file}")))
     found.machine.changed({}, {"source": said}).write(out, force)
     drawn, evidence = None, found.fit.view.evidence
     if json_path or page:
         drawn = curves(measured, before=simulated(evidence.actuator, measured), after=simulated(found.fitted, measured))
     result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
-    result = replace(result, method_reason=way.because, workbench=bench(evidence.actuator, measured, evidence) if drawn else None)
+    result = with_next(replace(result, method_reason=way.because, workbench=bench(evidence.actuator, measured, evidence) if drawn else None))
     save(json_path, result, force)
     _page(page, result, force)
     show.added(output(), result)

@@ -38,6 +38,8 @@ class Addition:
     sentence: str = ""
     error: ErrorsEntry | WeightedErrors  # the latter where it was fitted
     parameters: dict[str, FittedValue]  # by full name
+    effects: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # where several were added at once; `effect` is the first
+    error_without: dict[str, float] | None = field(default=None, metadata=SPARE)  # weighted error without each of several effects
     replaced: dict[str, float] | None = None  # what the effect was in the actuator as given; None where it was absent
     correlations: tuple[Correlation, ...] | None = field(default=None, metadata=SPARE)
     steps: tuple[StepEntry, ...] | None = field(default=None, metadata=SPARE)
@@ -55,5 +57,6 @@ class Addition:
     drive_lag_s: float | None = field(default=None, metadata=SPARE)  # by which the drive records late; None where no lag shows
     held: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # effects of the model that stayed as they were
     provenance: Provenance = field(default_factory=dict)
+    next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
     workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves

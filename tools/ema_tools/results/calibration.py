@@ -95,3 +95,4 @@ class CalibrationResult:
     )  # constants of the machine that came out this many times what the file said, by full name
     own_machine: OwnMachineEntry | None = None  # None where no two records run the same command, or it was not wanted
     provenance: Provenance = field(default_factory=dict)
+    next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first

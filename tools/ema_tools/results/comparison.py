@@ -45,5 +45,6 @@ class ComparisonResult:
     sentence: str = ""
     unlocated_event_steps: int = 0  # of the simulation: steps in which more happened than the module resolves
     provenance: Provenance = field(default_factory=dict)
+    next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
     workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves

@@ -54,6 +54,7 @@ class DiagnosisResult:
     unknown: Unexplained | None = None
     sensor: Sensor | None = None
     provenance: Provenance = field(default_factory=dict)
+    next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
     workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves
 
@@ -259,5 +260,6 @@ class DiagnosisByBalanceResult:
     where: Localisation = field(default_factory=Localisation)
     unknown: Unexplained | None = None  # none: nothing is drawn of it
     provenance: Provenance = field(default_factory=dict)
+    next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
     workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves

@@ -219,6 +219,7 @@ class IdentificationResult:
         default=None, metadata=SPARE
     )  # why the search would not reach its lowest cost with its settings
     provenance: Provenance = field(default_factory=dict)
+    next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
     workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves
 

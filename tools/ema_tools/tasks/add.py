@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
@@ -78,6 +78,8 @@ class Added:
     judgement: Judgement
     correlations: tuple[tuple[str, str, float], ...]
     refitted: bool = False
+    effects: tuple[str, ...] = ()  # all that were added, where these are several
+    without: Mapping[str, float] = field(default_factory=dict)  # weighted error of the model refitted without each of several effects
 
     @property
     def recommended(self) -> bool:
@@ -173,6 +175,79 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
         correlations,
         effect in actuator.active_effects,
     )
+
+
+def add_together(
+    actuator: Actuator,
+    effects: Sequence[str],
+    record: Record,
+    healthy: Sequence[Record] = (),
+    holdout: Record | None = None,
+    known: bool = False,
+    report: Report | None = None,
+) -> Added:
+    """Fits several physical effects to a record at once, jointly with CSJ and BLK where healthy repeats or a `known` machine tell them, and judges each by the error without it.
+
+    Raises InputError as `add` does, and for an effect that is learned.
+    """
+    tell = report or untold
+    learned = [effect for effect in effects if effect not in {row.name for row in load_definitions().physical}]
+    if learned:
+        raise InputError(f"{learned[0]}: a learned table is fitted to what the other effects leave: add the others first, then {learned[0]} alone")
+    check_records(record, healthy, holdout)
+    answerable(actuator, record, healthy_of(record, healthy))
+    evidence = known_machine(actuator, record) if known else gather(actuator, record, healthy_of(record, healthy))
+    tell(0.5, f"fitting {', '.join(effects)}")
+    here = settled(evidence, {})
+    faults = [name for name, value in FAULTS.items() if (known or evidence.relative) and evidence.actuator[value] > 0.0]
+    fit = _fitted_together(evidence, effects, faults)
+    without: dict[str, Fit] = {}
+    for effect in effects:
+        rest = {name: value for name, value in fit.values.items() if effect_of(name) != effect}
+        without[effect] = polished(refit(settled(evidence, rest, rounds=1), rest), _ROUNDS)
+    diagnosis = Diagnosis("missing", fit, (), (), (fit,), here.cost, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
+    tell(0.9, "the record held out")
+    errors, steps = walk(diagnosis, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
+    correlations = tuple(_correlations(fit))
+    judged = [_judged(fit, effect, errors, without[effect].cost, correlations) for effect in effects]
+    judgement = next((one for one in judged if not one.recommended), judged[0])
+    own = {name: value for effect in effects for name, value in fit.of_effect(effect).items()}
+    machine = actuator if known else fitted_machine(evidence, fit)
+    tell(1.0, "done")
+    return Added(
+        effects[0],
+        actuator if known else evidence.actuator,
+        machine.changed(own),
+        fit,
+        errors,
+        steps,
+        judgement,
+        correlations,
+        effects[0] in actuator.active_effects,
+        tuple(effects),
+        {effect: weighted(one.cost, evidence) for effect, one in without.items()},
+    )
+
+
+def _fitted_together(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> Fit:
+    """All effects and faults at their best: the strongest signature first, all that are in refitted with each that comes."""
+    remaining, values = [*effects, *faults], {}
+    here = settled(evidence, values)
+    fit: Fit | None = None
+    while remaining:
+        found = signatures(Screen(here), only=remaining)
+        if not found:
+            missing = [effect for effect in remaining if effect in effects]
+            if missing:
+                raise InputError(f"{missing[0]}: the record shows nothing of it beside the other effects: nothing can be fitted")
+            break
+        strongest = found[0]
+        remaining.remove(strongest.candidate.effect)
+        fit = refit(here, {**values, **strongest.start()})
+        values = dict(fit.values)
+        here = settled(evidence, values)
+    assert fit is not None
+    return polished(fit, _ROUNDS)
 
 
 def _fitted(here: View, effect: str) -> Fit:

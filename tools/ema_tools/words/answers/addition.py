@@ -22,6 +22,8 @@ def addition(found: Added, record: str, actuator: str, provenance: Provenance, c
         name=record,
         actuator=actuator,
         effect=found.effect,
+        effects=found.effects or None,
+        error_without=dict(found.without) or None,
         sentence=sentence(found),
         error=errors(found.errors),
         parameters={

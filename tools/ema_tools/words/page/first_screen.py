@@ -16,7 +16,7 @@ from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
-from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, read_sizes
+from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, new_model, read_sizes
 from ema_tools.words.sentences.balance import MOSTLY
 from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES
 
@@ -401,16 +401,20 @@ def _next(result: Diagnosed) -> Reply:
         fitted = line.options.get("--fitted")
         if fitted:
             return Reply(question, "Diagnose with the new model", "", "", shlex.join(["ema", "diagnose", fitted[0], *record, *healthy]))
-        effect = accepted(result)[0].name
+        effects = [one.name for one in accepted(result)]
+        if "is in the actuator file already" in result.next_experiment:
+            return read_sizes(line)
+        if result.by_forces or effects[0].startswith("learned_"):
+            del effects[1:]
         files = ["--fit", *(part for one in line.records or ("RECORD.csv",) for part in (one, "--fit"))][:-1]
-        add = ["ema", "add", line.actuator, effect, *files, *healthy, *line.again("--holdout"), "-o", "better.toml"]
+        add = ["ema", "add", line.actuator, *effects, *files, *healthy, *line.again("--holdout"), "-o", new_model(record[0], effects)]
         return Reply(question, "Put it into the model", "then diagnose again", "", shlex.join(add))
     found = result.found
     if isinstance(found, DiagnosisResult) and found.sensor is not None:
         return Reply(question, "Check the sensor", found.sensor.next, "unsure")
     learned = found.unknown.learned if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult) and found.unknown is not None else None
     if learned is not None and "ema add" in result.next_experiment:
-        add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", "better.toml"]
+        add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", new_model(record[0], [learned.effect])]
         return Reply(question, "Put it in as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
     told = result.next_experiment.removeprefix("Next: ").replace("look at the pictures (--report), and ", "then ")
     return Reply(question, "Look at the pictures", told, "unsure")

@@ -11,7 +11,8 @@ from pathlib import Path
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.results import ShownEstimate, ShownIdentification
-from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of
+from ema_tools.results.identification import MissingEffect
+from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, new_model
 
 PLAIN = {"csj_Nm": "friction (CSJ)", "blk_mm": "backlash (BLK)"}
 _PLACE = {"csj_Nm": "friction", "blk_mm": "backlash"}
@@ -197,8 +198,8 @@ def _next(result: ShownIdentification) -> Reply:
     if result.verdict != "undecided":
         told = _puts_it_in([found.sentence])
         return (
-            Reply(question, "Put the effect into the model", "then identify again: sizes hang on it", "", told)
-            if told
+            Reply(question, "Put the effect into the model", "then identify again: sizes hang on it", "", _written_next_to(record[0], effect, told))
+            if told and effect is not None
             else _follow(question, result, line)
         )
     if any(reason.startswith(_UNUSABLE) for reason in result.reasons):
@@ -215,7 +216,7 @@ def _next(result: ShownIdentification) -> Reply:
             )
         told = _puts_it_in(result.reasons)
         if told:
-            return Reply(question, "Put it into the model", "then identify again with the new file", "", told)
+            return Reply(question, "Put it into the model", "then identify again with the new file", "", _written_next_to(record[0], effect, told))
         bare = shlex.join(["ema", "identify", line.actuator, *record])
         return Reply(question, "Ask without the healthy records", "they are of the machine without the effect", "unsure", bare)
     if _sensor(result):
@@ -238,6 +239,11 @@ def _next(result: ShownIdentification) -> Reply:
 def _puts_it_in(told: Sequence[str]) -> str:
     """The command that puts a missing effect into the model, where one of the sentences has it."""
     return next((found[0] for one in told if (found := re.search(r"ema add .+?(?= puts it in)", one))), "")
+
+
+def _written_next_to(record: str, effect: MissingEffect, command: str) -> str:
+    """The command with a file name next to the record in the place of NEW.toml."""
+    return command.replace("-o NEW.toml", f"-o {shlex.quote(new_model(record, [effect.name or 'effect']))}")
 
 
 def _follow(question: str, result: ShownIdentification, line: CommandLine) -> Reply:

@@ -10,8 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
+from ema_tools.library.definitions import load_definitions
 from ema_tools.words.page import workbench
 from ema_tools.words.page.uplot import library
 
@@ -23,6 +25,7 @@ _WORDS = ' class="words"'
 # Commands whose lines are taken apart, and those of their options that stand for themselves.
 _COMMANDS = {"diagnose", "add", "identify", "compare", "map"}
 _GREEDY = "--healthy"  # takes every word behind it, as the shell expands a pattern
+_NAMES = 100  # of one new file that are tried [layout]
 _ARGUMENTS = 2  # an actuator, and a record or an effect [layout]
 _FLAGS = {"--force", "--known", "--no-guard", "--exit-code"}
 # Of every page; further ones a page names itself.
@@ -109,8 +112,17 @@ def line_of(command: str) -> CommandLine | None:
     del healthy[len(healthy) - wanting :]
     if not places:
         return None
-    records = (*places[2:], *options.get("--fit", ())) if tokens[1] == "add" else tuple(places[1:])
+    effects = {row.name for row in load_definitions().effects}
+    words = [word for word in places[2:] if word not in effects]
+    records = (*words, *options.get("--fit", ())) if tokens[1] == "add" else tuple(places[1:])
     return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
+
+
+def new_model(record: str, effects: Sequence[str]) -> str:
+    """Path of a new actuator file next to the record, named after the effects that it adds, that no file has yet."""
+    place = Path(record).with_name(f"with_{'_and_'.join(effects)}.toml")
+    names = (place, *(place.with_stem(f"{place.stem}_{number}") for number in range(2, _NAMES)))
+    return str(next((name for name in names if not name.exists()), place))
 
 
 def read_sizes(line: CommandLine) -> Reply:

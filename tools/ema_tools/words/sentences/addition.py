@@ -32,14 +32,23 @@ def reason(found: Added) -> str:
 
 def sentence(found: Added) -> str:
     """What was done and what came of it."""
-    own = found.fit.of_effect(found.effect)
-    size = next(iter(own))
     done = "was there and is refitted" if found.refitted else "added"
     errors = f"{found.errors.before:.3g} before, {found.errors.after:.3g} after, floor {found.errors.floor:.3g}"
-    text = f"{coded(found.effect, first=True)} {done}, {row_of(size).field} {size_text(size, own[size], found.fit.std.get(size))}: weighted error {errors}"
+    text = "; ".join(
+        f"{coded(effect, first=place == 0)} {done}, {_size(found, effect)}" for place, effect in enumerate(found.effects or (found.effect,))
+    )
+    text += f": weighted error {errors}"
+    text += "".join(f", {error:.3g} without {coded(effect)}" for effect, error in found.without.items())
     if found.errors.holdout_before is not None:
         text += f"; on the record held out {found.errors.holdout_before:.3g} before, {found.errors.holdout_after:.3g} after"
     return f"{text}. {'Recommended' if found.recommended else 'Not recommended'}: {reason(found)}."
+
+
+def _size(found: Added, effect: str) -> str:
+    """The size of one effect with its interval."""
+    own = found.fit.of_effect(effect)
+    size = next(iter(own))
+    return f"{row_of(size).field} {size_text(size, own[size], found.fit.std.get(size))}"
 
 
 def reason_by_balance(found: BalanceAdded) -> str:

@@ -28,6 +28,7 @@ from ema_tools.words.sentences.identification import BECAUSE, determined_words, 
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.sentences.sizes import ends_text, significant, size_text
 from ema_tools.words.terminal.console import number, table
+from ema_tools.words.terminal.next_step import say_next
 
 _PLACES = 8
 # An error of so many times its sensor's noise is no noise.
@@ -291,7 +292,8 @@ def diagnosis(console: Console, found: DiagnosisResult, searched: Searched) -> N
         say(console, found.unknown.sentence)
         if found.unknown.learned is not None:
             say(console, f"It can be flown without a name: {found.unknown.learned.sentence}.")
-    say(console, found.next_experiment)
+    if not say_next(console, found):
+        say(console, found.next_experiment)
 
 
 def _candidates(console: Console, found: Searched) -> None:
@@ -394,7 +396,8 @@ def balance(console: Console, found: DiagnosisByBalanceResult) -> None:
         refused.add_row("\n".join(effects), reason)
     console.print()
     console.print(refused)
-    say(console, found.next_experiment)
+    if not say_next(console, found):
+        say(console, found.next_experiment)
 
 
 def _base(console: Console, found: DiagnosisByBalanceResult) -> None:
@@ -502,6 +505,8 @@ def added(console: Console, found: Addition) -> None:
     for pair in found.correlations or ():
         first, second = pair.values
         say(console, f"{first} and {second} cannot be told apart on this record (correlation {pair.correlation:.3f}).")
+    if found.name is not None:
+        say_next(console, found)
 
 
 def force_models(console: Console, title: str, models: Mapping[str, RodModel]) -> None:

@@ -1,0 +1,44 @@
+"""What to do next, by a result and the command that made it: one source for the terminal, the page and `next` of the JSON result."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import replace
+from typing import TypeVar
+
+from ema_tools.results.addition import Addition
+from ema_tools.results.calibration import CalibrationResult
+from ema_tools.results.comparison import ComparisonResult
+from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
+from ema_tools.results.friction_map import MapResult
+from ema_tools.results.identification import IdentificationResult
+from ema_tools.words.page.results import shown
+from ema_tools.words.page.several_page import own_answers
+from ema_tools.words.page.sheet import Reply
+
+_Advised = Addition | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult | MapResult
+Found = TypeVar("Found", Addition, CalibrationResult, ComparisonResult, DiagnosisResult, DiagnosisByBalanceResult, IdentificationResult)
+
+# Names of records that are still to be made.
+_TO_BE_MADE = frozenset({"RECORD.csv", "NEXT.csv", "MORE.csv", "healthy_*.csv", "ACTUATOR.toml"})
+
+
+def reply_to(found: _Advised | CalibrationResult) -> Reply:
+    """The advice, as on the result's page; a calibrated model is compared with the first record that it was fitted to."""
+    if isinstance(found, CalibrationResult):
+        tokens = shlex.split(found.provenance.get("command", ""))
+        record = next((token for token in tokens[3:] if token.endswith((".csv", ".mat", ".parquet"))), "RECORD.csv")
+        return Reply("What next?", "See how well it holds", "", "", shlex.join(["ema", "compare", found.actuator, record]))
+    return own_answers(shown(found, found.command, found.name or "")).replies[-1]
+
+
+def sentence(reply: Reply) -> str:
+    """The printed line."""
+    return f"Next: {reply.short[:1].lower()}{reply.short[1:]}: {reply.command}"
+
+
+def with_next(found: Found) -> Found:
+    """The result with the argument lists of the advised commands; none where a record must be made first."""
+    arguments = tuple(shlex.split(reply_to(found).command))
+    runs = bool(arguments) and not _TO_BE_MADE & set(arguments)
+    return replace(found, next=(arguments,) if runs else ())
