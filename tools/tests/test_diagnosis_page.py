@@ -82,7 +82,7 @@ def test_next_command_has_the_paths_that_were_given() -> None:
     last = said(diagnosis("missing")).replies[-1]
     assert (
         last.command
-        == "ema add mine.toml stribeck_friction --fit today.csv --healthy 'runs/healthy *.csv' --holdout other.csv -o better.toml"
+        == "ema add mine.toml stribeck_friction --fit today.csv --healthy 'runs/healthy *.csv' --holdout other.csv -o with_stribeck_friction.toml"
     )
     assert said(diagnosis("healthy")).replies[-1].command == "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv'"
     line = sheet.line_of(COMMAND)

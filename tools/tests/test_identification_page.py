@@ -99,7 +99,7 @@ NEAR = "a shift cannot be told from its threshold with the stated confidence"
     [
         (FAULTY, {}, "ema report i.json -o unit.html"),
         (FAULTY, {"guard": None}, "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv'"),
-        (MISSING, {}, "ema add mine.toml stribeck_friction --fit today.csv --known -o NEW.toml"),
+        (MISSING, {}, "ema add mine.toml stribeck_friction --fit today.csv --known -o with_stribeck_friction.toml"),
         (RIVAL, {}, "ema next mine.toml --between csj stribeck_friction"),
         (MISSING, {"missing_effect": None, "reasons": ["an effect is missing from the model"], "guard": None}, "ema diagnose mine.toml today.csv --healthy 'runs/healthy *.csv'"),
         (MISSING, {"missing_effect": None, "adequate": True, "reasons": [NEAR], "guard": None}, "ema identify mine.toml NEXT.csv --healthy 'runs/healthy *.csv'"),
@@ -139,7 +139,7 @@ def test_an_effect_beside_a_fault_that_stands_is_shown_with_the_size_that_it_lea
     assert found.sentence.startswith("The machine has a fault: ") and where.short == "Friction and backlash"
     assert (holds.short, lacks.short) == ("By the rod position", "Stribeck friction")
     assert "beside it CSJ +112.0 %" in lacks.more
-    assert then.command == add
+    assert then.command == add.replace("NEW.toml", "with_stribeck_friction.toml")
 
 
 def test_a_record_that_cannot_tell_is_recorded_again() -> None:

@@ -17,6 +17,7 @@ from ema_tools.results.codec import to_json
 from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.reading import result_of
 from ema_tools.select.outcome import Diagnosis, Named
+from ema_tools.words.advice import with_next
 from ema_tools.words.sentences.sizes import ends_text
 from ema_tools.words.terminal import show
 from ema_tools.words.terminal.next_step import say_next
@@ -62,15 +63,17 @@ def test_an_identification_that_was_not_kept_ends_with_keeping_it(tmp_path: Path
     assert said["verdict"] == "fault"
 
 
-def test_what_a_reason_has_said_is_not_said_again() -> None:
+def test_a_missing_effect_is_added_to_a_file_that_can_be_written() -> None:
     found = result_of(judged(JUDGED[2]), "x")
     assert isinstance(found, IdentificationResult)
     console = printed()
     say_next(console, found)
-    # the reason itself names the command that puts the effect in
-    assert text_of(console) == ""
+    command = "ema add mine.toml stribeck_friction --fit today.csv --known -o with_stribeck_friction.toml"
+    assert text_of(console).rstrip() == f"Next: put it into the model: {command}"
+    assert with_next(found).next == (tuple(command.split()),)
     other = result_of({**to_json(found), "reasons": ["Stribeck friction (stribeck_friction; rise 0.30) is missing from the model"]}, "x")
     assert isinstance(other, IdentificationResult)
+    console = printed()
     say_next(console, other)
     assert text_of(console).startswith("Next: ask without the healthy records: ema identify mine.toml today.csv")
 

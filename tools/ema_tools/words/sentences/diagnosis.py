@@ -121,7 +121,8 @@ def next_step(found: Answer) -> str:
         return f"Next: {coded(found.effects[0].name)} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."
     if found.effects:
         runs = " --healthy REC ..." if found.evidence.relative else ""
-        return f"Next: ema add ACTUATOR {found.effects[0].name} --fit REC{runs} -o NEW.toml puts it into the model; then diagnose again."
+        effects, what = " ".join(one.name for one in found.effects), "it" if len(found.effects) == 1 else "them"
+        return f"Next: ema add ACTUATOR {effects} --fit REC{runs} -o NEW.toml puts {what} into the model; then diagnose again."
     return "Next: ema identify gives CSJ and BLK; nothing is to be added."
 
 
