@@ -83,7 +83,14 @@ class Run(unittest.TestCase):
     def run_ci(self, *arguments: str, root: Path | None = None, **settings: str) -> tuple[int, str, str]:
         """Runs the script. Returns its exit code, its last line, and the noted commands."""
         self.notes.write_text("", encoding="utf-8")
-        environment = {"PATH": str(self.programs), "HOME": str(self.root), "NOTES": str(self.notes), "RESOURCES": str(self.resources), "FAIL": "", **settings}
+        environment = {
+            "PATH": str(self.programs),
+            "HOME": str(self.root),
+            "NOTES": str(self.notes),
+            "RESOURCES": str(self.resources),
+            "FAIL": "",
+            **settings,
+        }
         done = subprocess.run([".ci/run", *arguments], cwd=root or self.root, env=environment, capture_output=True, text=True, check=False)
         return done.returncode, (done.stdout.splitlines() or [""])[-1], self.notes.read_text(encoding="utf-8")
 

@@ -1,7 +1,8 @@
-/* Runs test sources by name, in the order of the arguments: `ema_tests_f32 test_pid test_screw`. Without arguments it runs all.
+/* Runs test sources by name, in the order of the arguments: `ema_tests_f32 test_pid test_screw`. Without arguments it
+ * runs all.
  *
- * The build generates ema_test_sources.def: one row EMA_TEST_SOURCE_ROW(name) per source. Exit codes: 0 all tests passed, 1 a test
- * failed or a source ran no test, 2 an unknown name, 3 no test source at all. */
+ * The build generates ema_test_sources.def: one row EMA_TEST_SOURCE_ROW(name) per source. Exit codes: 0 all tests
+ * passed, 1 a test failed or a source ran no test, 2 an unknown name, 3 no test source at all. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -17,9 +18,9 @@ typedef struct {
     void (*tear_down)(void);
 } test_source_t;
 
-#define EMA_TEST_SOURCE_ROW(name) \
-    int name##_main(void);        \
-    void name##_setUp(void);      \
+#define EMA_TEST_SOURCE_ROW(name)                                                                                      \
+    int name##_main(void);                                                                                             \
+    void name##_setUp(void);                                                                                           \
     void name##_tearDown(void);
 #include "ema_test_sources.def"
 #undef EMA_TEST_SOURCE_ROW

@@ -1,4 +1,5 @@
-/* How Unity is built here. A test source is one part of a program: its main, setUp and tearDown carry the name of the source. */
+/* How Unity is built here. A test source is one part of a program: its main, setUp and tearDown carry the name of the
+ * source. */
 #ifndef UNITY_CONFIG_H
 #define UNITY_CONFIG_H
 
