@@ -78,7 +78,9 @@ def blocks_of(root: Path, document: Path) -> list[str]:
     return blocks
 
 
-def check_snippets(root: Path, compiler: str, exported: Path, also: list[str], documents: tuple[str, ...] = DOCUMENTS) -> tuple[list[str], int]:
+def check_snippets(
+    root: Path, compiler: str, exported: Path, also: list[str], documents: tuple[str, ...] = DOCUMENTS
+) -> tuple[list[str], int]:
     """Every block of C in the documents. `exported`: folder of headers that `ema export` wrote; `also`: folders of headers that are not the project's."""
     problems: list[str] = []
     checked = 0
@@ -94,7 +96,9 @@ def check_snippets(root: Path, compiler: str, exported: Path, also: list[str], d
                 f"{document.relative_to(root)}: no block of C in it: begin one with ```c, or take the document out of DOCUMENTS in check_compiles.py"
             )
         with tempfile.TemporaryDirectory() as folder:
-            problems += [f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, exported, also, Path(folder), blocks)]
+            problems += [
+                f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, exported, also, Path(folder), blocks)
+            ]
     return problems, checked
 
 

@@ -134,8 +134,16 @@ class Layers(Tree):
             ("src/blocks/ema_pid.c", '#include "ema/ema_model.h"\n', "src/blocks/ema_pid.c: level blocks sees ema_model.h of level plant"),
             ("src/search/ema_anneal.c", '#include "blocks/ema_motor.h"\n', "level search sees ema_motor.h of level blocks"),
             ("src/base/ema_io.c", '#include "csv.h"\n', "src/base/ema_io.c:1: the module includes port/host"),
-            ("port/host/blocks.c", '\n#include "blocks/ema_motor.h"\n', "port/host/blocks.c:2: a port includes the private header blocks/ema_motor.h"),
-            ("port/desk/inner.c", '#include "plant/ema_inner.h"\n', "port/desk/inner.c:1: a port includes the private header plant/ema_inner.h"),
+            (
+                "port/host/blocks.c",
+                '\n#include "blocks/ema_motor.h"\n',
+                "port/host/blocks.c:2: a port includes the private header blocks/ema_motor.h",
+            ),
+            (
+                "port/desk/inner.c",
+                '#include "plant/ema_inner.h"\n',
+                "port/desk/inner.c:1: a port includes the private header plant/ema_inner.h",
+            ),
             ("include/ema/ema_extra.h", '#include "base/ema_math.h"\n', "a public header includes src/base"),
             ("src/base/ema_log.c", "#include <stdio.h>\n", "src/base/ema_log.c:1: <stdio.h> is not for the module"),
             ("src/base/ema_log.c", "#include <math.h>\n", "<math.h>"),

@@ -92,9 +92,7 @@ def bits_of_sources(root: Path, work: Path) -> str:
     copy = work / "sources"
     for name in ("include", "src"):
         shutil.copytree(root / name, copy / name)
-    return bits(
-        work, sorted(copy.glob("src/*/*.c")), [copy / "include", copy / "src"], ["-ffp-contract=off", "-fno-math-errno"]
-    )
+    return bits(work, sorted(copy.glob("src/*/*.c")), [copy / "include", copy / "src"], ["-ffp-contract=off", "-fno-math-errno"])
 
 
 def main(name: str, check: Callable[[argparse.Namespace], str], *options: str) -> int:

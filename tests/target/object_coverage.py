@@ -196,7 +196,9 @@ def main() -> int:
         given.work.mkdir(parents=True, exist_ok=True)
         plugin = emulate.plugin_for(emulate.QEMU, source, "reached", given.work)
         functions = functions_of(given.objdump, given.nm, given.objects)
-        runs = [(given.programs / name, (source,)) for name in PROGRAMS for source in sources_of(given.programs.parent / name)]
+        runs: list[tuple[Path, tuple[str, ...]]] = [
+            (given.programs / name, (source,)) for name in PROGRAMS for source in sources_of(given.programs.parent / name)
+        ]
         runs += [(given.answer.with_name(name), arguments) for name, arguments in IDENTIFIES]
         for program, arguments in runs:
             reached = given.work / "reached"

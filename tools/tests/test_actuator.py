@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -34,6 +35,11 @@ def value_of(row: Parameter | EffectParameter) -> st.SearchStrategy[float]:
 changes = st.dictionaries(st.sampled_from(ROWS), st.none(), max_size=12).flatmap(
     lambda rows: st.fixed_dictionaries({row.name: value_of(row) for row in rows})
 )
+
+
+def test_travel_per_motor_angle_has_the_gear_ratio() -> None:
+    actuator = reference_actuator().changed({"screw.lead_mm": 5.0, "gearbox.ratio": 4.0})
+    assert actuator.lead_mm_per_rad == pytest.approx(5.0 / (8.0 * math.pi))
 
 
 def read_text(text: str, folder: Path) -> Actuator:

@@ -10,6 +10,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from ema_tools.data.actuator import reference_actuator
+from ema_tools.design.typical import typical_change
+from ema_tools.library.faults import FAULTS
 from ema_tools.results.codec import to_json
 from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.reading import result_of
@@ -103,3 +106,9 @@ def test_candidates_keep_to_eighty_columns_with_their_names_whole(alike: tuple[s
 )
 def test_an_interval_has_no_powers_of_ten_where_none_are_needed(low: float, high: float, expected: str) -> None:
     assert ends_text(low, high) == expected
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_typical_fault_is_larger_than_the_healthy_value(fault: str) -> None:
+    healthy = reference_actuator()
+    assert [value > healthy[name] for name, value in (typical_change(healthy, fault, 1.0) or {}).items()] == [True]

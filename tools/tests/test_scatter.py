@@ -32,6 +32,7 @@ from ema_tools.library.definitions import load_definitions
 from ema_tools.select.baseline import against_known, gather
 from ema_tools.select.known_machine import KnownMachine, live
 from ema_tools.select.search import diagnose
+from ema_tools.tasks.healthy_runs import scatter_shown
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.tasks.signature_table import signatures
 from ema_tools.words.sentences.few_records import few_records
@@ -320,3 +321,9 @@ def test_every_name_that_may_scatter_is_a_real_value_of_the_machine() -> None:
     known = load_definitions().by_name
     assert all(known[name] is row and not row.is_option for name, row in scattering_rows().items())
     assert {row.section for row in scattering_rows().values()} == {"control", "drive", "motor", "gearbox", "screw", "encoder"}
+
+
+def test_one_run_says_nothing_of_the_scatter() -> None:
+    """Its distance from its own mean is zero whatever it read: the usual scatter stays."""
+    assert scatter_shown([0.0], 0.03) == pytest.approx(0.03)
+    assert scatter_shown([0.0, 0.0], 0.03, 2) == pytest.approx(0.03)

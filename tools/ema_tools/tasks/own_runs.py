@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ema_tools.data.actuator import Actuator
-from ema_tools.data.any_record import AnyRecord
-from ema_tools.data.motion_records import same_samples
+from ema_tools.data.motion_records import AnyRecord, same_samples
 from ema_tools.data.records import Record, read_record
 from ema_tools.select.baseline import same_command
 from ema_tools.select.known_machine import repeats_of

@@ -57,9 +57,7 @@ class HealthyMachine(Strategy):
         name = f"effects.{effect}.{local.spot}"
         # the width of an effect that the model held before is not fitted
         width = fit.values[name] if name in fit.values else self.evidence.actuator[row_of(name).name]
-        return width > WIDEST_SPOT * float(
-            np.ptp(self.evidence.record.command_mm)
-        )
+        return width > WIDEST_SPOT * float(np.ptp(self.evidence.record.command_mm))
 
     def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""

@@ -26,7 +26,7 @@ MARKS = {"quick": "not slow and not release", "long": "slow and not release"}
 LABELS = {"quick": ["-LE", "long|release"], "long": ["-L", "long"]}
 NO_TEST_RAN = 5  # of pytest
 TIMEOUT_S = 3600.0
-FAILED = re.compile(r"^FAILED tests/([^ ]+)|^ERROR tests/([^ ]+)", re.MULTILINE)
+FAILED = re.compile(r"^FAILED tests/(\S+)|^ERROR tests/(\S+)", re.MULTILINE)
 FAILED_C = re.compile(r":(test_\w+):FAIL")
 FAILED_CTEST = re.compile(r"^\s*\d+ - (\S+) \(", re.MULTILINE)
 
@@ -201,6 +201,10 @@ def main() -> int:
         if unknown:
             raise MutantError(f"--only: no fault is called {', '.join(sorted(unknown))}: see mutants.toml")
         mutants = [mutant for mutant in mutants if not given.only or mutant.name in given.only]
+        named = tuple(dict.fromkeys(name for mutant in mutants for name in mutant.tests))
+        lost = [name for name in named if name.endswith(".py") and not (ROOT / "tools/tests" / name).is_file()]
+        if lost:
+            raise MutantError(f"mutants.toml names tests that are not there: {', '.join(lost)}")
         for mutant in mutants:
             place_of(mutant, ROOT)
         if given.list:
@@ -208,7 +212,6 @@ def main() -> int:
             return 0
         tree = Tree(given.work.resolve() / "tree", given.jobs)
         tree.prepare()
-        named = tuple(dict.fromkeys(name for mutant in mutants for name in mutant.tests))
         without = tree.whole(given.suite) if given.suite else tree.named(named)
         if without.test:
             raise MutantError(f"{without.test} fails without any fault: mend that first")
