@@ -15,15 +15,23 @@ foreach(bits 32 64)
     ema_compile(ema_desk${bits})
     # The tools ask the module's own equations, block by block.
     target_include_directories(ema_desk${bits} PRIVATE port/host "${EMA_SOURCE_DIR}")
-    target_link_libraries(ema_desk${bits} PRIVATE ${module})
 
     # A desk simulates a thousand runs for one answer: in one piece, so that the compiler sees through the calls of a model step. Files of one's own stay apart, as their names are.
-    if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    # It takes the include folders and definitions of the module's library, but does not wait for it.
+    if(NOT CMAKE_BUILD_TYPE STREQUAL "Release")
+        target_link_libraries(ema_desk${bits} PRIVATE ${module})
+    else()
         add_library(ema_desk_module${bits} OBJECT ${EMA_SOURCES} ${EMA_OWN_SOURCES})
         ema_compile(ema_desk_module${bits})
         target_include_directories(ema_desk_module${bits} PRIVATE "${EMA_SOURCE_DIR}")
         target_compile_definitions(ema_desk_module${bits} PRIVATE ${EMA_EFFECT_DEFINITIONS})
-        target_link_libraries(ema_desk_module${bits} PRIVATE ${module})
+        foreach(target ema_desk${bits} ema_desk_module${bits})
+            target_include_directories(${target} PRIVATE $<TARGET_PROPERTY:${module},INTERFACE_INCLUDE_DIRECTORIES>)
+            target_compile_definitions(${target} PRIVATE $<TARGET_PROPERTY:${module},INTERFACE_COMPILE_DEFINITIONS>)
+        endforeach()
+        if(UNIX)
+            target_link_libraries(ema_desk${bits} PRIVATE m)
+        endif()
         set_target_properties(ema_desk_module${bits} PROPERTIES
             POSITION_INDEPENDENT_CODE ON C_VISIBILITY_PRESET hidden UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
         target_sources(ema_desk${bits} PRIVATE $<TARGET_OBJECTS:ema_desk_module${bits}>)

@@ -89,7 +89,7 @@ add_dependencies(exported venv)
 add_custom_target(demo
     COMMAND "${CMAKE_BINARY_DIR}/ema" demo
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
-    DEPENDS venv page_library ema_desk32 ema_desk64 ema_identify
+    DEPENDS venv page_library ema_desk32 ema_desk64
     COMMENT "" USES_TERMINAL VERBATIM)
 # The page's workbench holds the module.
 if(TARGET ema_wasm)
