@@ -101,7 +101,10 @@ def walked(command: list[str], folder: Path) -> tuple[str, dict[str, object], in
     ids=["source resistance and backlash", "stribeck friction and backlash", "healthy"],
 )
 def test_the_advised_commands_end_at_the_true_verdict(tmp_path: Path, changes: tuple[str, ...], verdict: str, blk_percent: float) -> None:
-    healthy = [recorded(tmp_path, f"healthy_{seed}.csv", seed, "--set", f"screw.csj_Nm={level}") for seed, level in ((1, 0.1371), (2, 0.1375), (3, 0.1373))]
+    healthy = [
+        recorded(tmp_path, f"healthy_{seed}.csv", seed, "--set", f"screw.csj_Nm={level}")
+        for seed, level in ((1, 0.1371), (2, 0.1375), (3, 0.1373))
+    ]
     command = ["ema", "diagnose", str(REFERENCE), recorded(tmp_path, "today.csv", 9, *changes), "--healthy", *healthy]
     found, result, _ = walked(command, tmp_path)
     blk = result["blk_mm"]
@@ -111,7 +114,14 @@ def test_the_advised_commands_end_at_the_true_verdict(tmp_path: Path, changes: t
 
 @pytest.mark.slow
 def test_two_effects_are_added_at_once_with_the_wear_beside_them(tmp_path: Path) -> None:
-    changes = ("--set", "effects.source_resistance.resistance_ohm=0.15", "--set", "effects.stribeck_friction.rise=0.3", "--set", "screw.csj_Nm=0.16")
+    changes = (
+        "--set",
+        "effects.source_resistance.resistance_ohm=0.15",
+        "--set",
+        "effects.stribeck_friction.rise=0.3",
+        "--set",
+        "screw.csj_Nm=0.16",
+    )
     healthy = [recorded(tmp_path, f"healthy_{seed}.csv", seed) for seed in (1, 2, 3)]
     today, new, answer = recorded(tmp_path, "today.csv", 9, *changes), tmp_path / "new.toml", tmp_path / "answer.json"
     effects = ("source_resistance", "stribeck_friction")

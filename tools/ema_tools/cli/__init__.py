@@ -5,9 +5,9 @@ Modules behind a command are imported by the command, so that help and errors co
 
 from __future__ import annotations
 
-import itertools
 import contextlib
 import io
+import itertools
 import os
 import sys
 from collections.abc import Sequence
@@ -124,9 +124,9 @@ def compare(actuator: str, record: str, page: str | None, precision: str, pictur
     from ema_tools.data.records import Record
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.tasks.workbench import bench
+    from ema_tools.words.advice import with_next
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
-    from ema_tools.words.advice import with_next
     from ema_tools.words.terminal.next_step import say_next
 
     writable(page, *picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
@@ -314,10 +314,10 @@ def identify(
     from ema_tools.tasks.own_runs import own_runs, why_not_used
     from ema_tools.tasks.several_values import searched_of, several_values
     from ema_tools.tasks.workbench import bench
+    from ema_tools.words.advice import with_next
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
-    from ema_tools.words.advice import with_next
     from ema_tools.words.terminal.next_step import say_next
 
     healthy = record_files(healthy)
@@ -432,8 +432,8 @@ def diagnose(
     from ema_tools.tasks.method import chosen, diagnosed
     from ema_tools.tasks.own_runs import baseline_of
     from ema_tools.tasks.workbench import bench
-    from ema_tools.words.answers.method import diagnosis
     from ema_tools.words.advice import with_next
+    from ema_tools.words.answers.method import diagnosis
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
 
@@ -614,7 +614,9 @@ def add(
     way = chosen(model, records, references, other, "simulation" if known else method)
     check_fixes(way, fixes)
     if len(together) > 1 and way.method == "balance":
-        raise InputError(f"add {' '.join(together)}: the balance of forces adds one effect at a time: add {effect} first, then the next to the new file")
+        raise InputError(
+            f"add {' '.join(together)}: the balance of forces adds one effect at a time: add {effect} first, then the next to the new file"
+        )
 
     def tell(share: float, text: str) -> None:
         bar.update(100.0 * share, text)
@@ -651,7 +653,9 @@ def add(
     if json_path or page:
         drawn = curves(measured, before=simulated(evidence.actuator, measured), after=simulated(found.fitted, measured))
     result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
-    result = with_next(replace(result, method_reason=way.because, workbench=bench(evidence.actuator, measured, evidence) if drawn else None))
+    result = with_next(
+        replace(result, method_reason=way.because, workbench=bench(evidence.actuator, measured, evidence) if drawn else None)
+    )
     save(json_path, result, force)
     _page(page, result, force)
     show.added(output(), result)

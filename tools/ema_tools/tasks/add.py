@@ -193,7 +193,9 @@ def add_together(
     tell = report or untold
     learned = [effect for effect in effects if effect not in {row.name for row in load_definitions().physical}]
     if learned:
-        raise InputError(f"{learned[0]}: a learned table is fitted to what the other effects leave: add the others first, then {learned[0]} alone")
+        raise InputError(
+            f"{learned[0]}: a learned table is fitted to what the other effects leave: add the others first, then {learned[0]} alone"
+        )
     check_records(record, healthy, holdout)
     answerable(actuator, record, healthy_of(record, healthy))
     evidence = known_machine(actuator, record) if known else gather(actuator, record, healthy_of(record, healthy))

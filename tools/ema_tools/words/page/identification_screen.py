@@ -8,10 +8,10 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from ema_tools.results.identification import MissingEffect
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.results import ShownEstimate, ShownIdentification
-from ema_tools.results.identification import MissingEffect
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, new_model
 
 PLAIN = {"csj_Nm": "friction (CSJ)", "blk_mm": "backlash (BLK)"}
@@ -198,7 +198,13 @@ def _next(result: ShownIdentification) -> Reply:
     if result.verdict != "undecided":
         told = _puts_it_in([found.sentence])
         return (
-            Reply(question, "Put the effect into the model", "then identify again: sizes hang on it", "", _written_next_to(record[0], effect, told))
+            Reply(
+                question,
+                "Put the effect into the model",
+                "then identify again: sizes hang on it",
+                "",
+                _written_next_to(record[0], effect, told),
+            )
             if told and effect is not None
             else _follow(question, result, line)
         )
@@ -216,7 +222,9 @@ def _next(result: ShownIdentification) -> Reply:
             )
         told = _puts_it_in(result.reasons)
         if told:
-            return Reply(question, "Put it into the model", "then identify again with the new file", "", _written_next_to(record[0], effect, told))
+            return Reply(
+                question, "Put it into the model", "then identify again with the new file", "", _written_next_to(record[0], effect, told)
+            )
         bare = shlex.join(["ema", "identify", line.actuator, *record])
         return Reply(question, "Ask without the healthy records", "they are of the machine without the effect", "unsure", bare)
     if _sensor(result):
