@@ -233,7 +233,8 @@ def add_together(
 
 def _fitted_together(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> Fit:
     """All effects and faults at their best: the strongest signature first, all that are in refitted with each that comes."""
-    remaining, values = [*effects, *faults], {}
+    remaining = [*effects, *faults]
+    values: dict[str, float] = {}
     here = settled(evidence, values)
     fit: Fit | None = None
     while remaining:
