@@ -372,14 +372,10 @@ def identify(
     held = actuator.active_effects
     if checked is None or not checked.against or not held or not found.objects or checked.unusable:
         return found
-    named = tuple(effect for effect in checked.effects[:1] if effect in held)
-    if not named and checked.kind != "unknown":
-        return found
-    for since in dict.fromkeys(filter(None, (named, tuple(held)))):
-        other = answered(since)
-        if other.verdict != "undecided":
-            return other
-    return found
+    # only what the healthy records contradict by name: an effect that they have is part of the unit
+    since = tuple(effect for effect in checked.effects if effect in held)
+    other = answered(since) if since else found
+    return other if other.verdict != "undecided" else found
 
 
 def _since(beside: Compared, effects: Mapping[str, float]) -> Compared:
