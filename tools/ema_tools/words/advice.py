@@ -17,7 +17,8 @@ from ema_tools.words.page.several_page import own_answers
 from ema_tools.words.page.sheet import Reply
 
 _Advised = Addition | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult | MapResult
-Found = TypeVar("Found", Addition, CalibrationResult, ComparisonResult, DiagnosisResult, DiagnosisByBalanceResult, IdentificationResult)
+_Stored = Addition | CalibrationResult | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult
+Found = TypeVar("Found", bound=_Stored)
 
 # Names of records that are still to be made.
 _TO_BE_MADE = frozenset({"RECORD.csv", "NEXT.csv", "MORE.csv", "healthy_*.csv", "ACTUATOR.toml"})
