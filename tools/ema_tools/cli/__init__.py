@@ -430,7 +430,7 @@ def diagnose(
     from ema_tools.select.fixes import fixes_of
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
-    from ema_tools.tasks.own_runs import baseline_of
+    from ema_tools.tasks.own_runs import own_runs_beside
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
     from ema_tools.words.answers.method import diagnosis
@@ -445,7 +445,7 @@ def diagnose(
     measured = records[0]
     references = [read_any_record(path, model) for path in healthy]
     if not references and method != "balance":
-        references = list(baseline_of(model, records))
+        references = list(own_runs_beside(model, records))
     other = read_any_record(holdout, model) if holdout else None
     way, fixes = chosen(model, records, references, other, method), fixes_of(model, fixed)
     with progress("diagnosing", 100) as bar:
@@ -564,7 +564,7 @@ def add(
     from ema_tools.tasks.add_by_balance import add_by_balance
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.method import check_fixes, chosen
-    from ema_tools.tasks.own_runs import baseline_of
+    from ema_tools.tasks.own_runs import own_runs_beside
     from ema_tools.tasks.simulate import with_settings
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
@@ -604,7 +604,7 @@ def add(
     records = [read_any_record(path, model) for path in files]
     references = [read_any_record(path, model) for path in healthy]
     if not (references or known or method == "balance"):
-        references = list(baseline_of(model, records))
+        references = list(own_runs_beside(model, records))
     other = read_any_record(holdout, model) if holdout else None
     fixes = fixes_of(model, fixed)
     if known and (method == "balance" or len(records) > 1):

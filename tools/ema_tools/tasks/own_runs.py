@@ -25,7 +25,7 @@ def _there(actuator: Actuator, record: Record) -> list[Record]:
     return [one for one in found if not same_samples(one, record)]
 
 
-def baseline_of(actuator: Actuator, records: Sequence[AnyRecord]) -> tuple[Record, ...]:
+def own_runs_beside(actuator: Actuator, records: Sequence[AnyRecord]) -> tuple[Record, ...]:
     """The healthy runs beside which `records` are diagnosed where none are given: those of the unit's file for one record of a known controller, else none. Raises InputError as `own_runs`."""
     if len(records) != 1 or not isinstance(records[0], Record):
         return ()
