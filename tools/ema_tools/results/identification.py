@@ -84,6 +84,7 @@ class BaselineEntry:
     std: dict[str, float | None]  # standard errors
     records: int
     interval95: dict[str, tuple[float | None, float | None]] = field(default_factory=dict)  # lower and upper end, by full name
+    without: tuple[str, ...] = ()  # effects of the model that the healthy records do not have: counted for today's record alone
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,7 @@ class Identified:
     `least_percent`: the shifts that are called a fault, by name; `doubt`: why two healthy records may not both be, in words; `checked`: what all signals say of the
     estimates; None where it was not wanted; `foretold`: what dry friction should be today beside that of the healthy records, where they can tell; the healthy value is that of today.
     `winding`: by what share its resistance is off that of the healthy records, where nothing else of the record is as warm.
+    `since`: effects of the model that the healthy records do not have.
     """
 
     actuator: Actuator
@@ -88,6 +89,7 @@ class Identified:
     foretold: Foretold | None = None
     magnets: MagnetsToday | None = None
     winding: float | None = None
+    since: tuple[str, ...] = ()
 
     def interval95(self, one: IdentifiedValue) -> tuple[float | None, float | None]:
         """Where a value lies with 95 % certainty: sensor noise, what lasts in the residual, what the machine may be today, and what moves from run to run, as healthy records show it
@@ -517,4 +519,5 @@ def _identify(
         foretold,
         magnets,
         winding,
+        tuple(since),
     )

@@ -63,6 +63,7 @@ def identification(
             dict(found.baseline.std),
             found.baseline.records,
             {name: interval_of(value, found.baseline.std[name]) for name, value in found.baseline.values.items()},
+            found.since,
         ),
         search=result.SearchEntry(found.costs),
         shape=None if shape is None else _shape(shape),

@@ -56,6 +56,11 @@ def missing_words(checked: CrossCheck) -> str:
     )
 
 
+def without_sentence(effects: Iterable[str]) -> str:
+    """Which effects of the model the healthy records do not have, and what follows."""
+    return f"The healthy records do not have {all_coded(effects)}: it is counted for today's record alone."
+
+
 def _effect(checked: CrossCheck, size: str) -> str:
     return coded(checked.effects[0], f"{row_of(size).field} {size_text(size, checked.values[size], checked.std.get(size))}")
 

@@ -24,7 +24,7 @@ from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.words.sentences.balance import along_text, forward_sentence, friction_sentence, held_out_sentence, lag_sentence
 from ema_tools.words.sentences.base_values import note
-from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence
+from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence, without_sentence
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.sentences.sizes import ends_text, significant, size_text
 from ema_tools.words.terminal.console import number, table
@@ -226,6 +226,8 @@ def identification(console: Console, found: IdentificationResult) -> None:
             for name, value in found.baseline.values.items()
         )
         say(console, f"healthy values from {found.baseline.records} healthy record{'s' if found.baseline.records > 1 else ''}: {text}")
+        if found.baseline.without:
+            say(console, without_sentence(found.baseline.without))
     for name, estimate in found.estimates.items() if found.seeds else ():
         others = (other.csj_Nm if name == "csj_Nm" else other.blk_mm for other in found.seeds)
         values = [estimate.estimate, *(value for value in others if value is not None)]
