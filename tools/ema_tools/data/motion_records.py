@@ -117,7 +117,9 @@ class MotionRecord:
                 raise InputError(
                     f"{self.file}: {name}: is not recorded: what simulates the machine needs it, the balance of forces does not"
                 )
-        kept = {name: self.channel(name) for name in CONTROLLED_COLUMNS if name not in ("time_s", "command_mm", "position_mm")}
+        kept: dict[str, Any] = {
+            name: self.channel(name) for name in CONTROLLED_COLUMNS if name not in ("time_s", "command_mm", "position_mm")
+        }
         return Record(
             self.period_s, self.recorded("command_mm"), self.recorded("position_mm"), file=self.file, first_time_s=self.first_time_s, **kept
         )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE
-from ema_tools.results.parts import CurvesEntry, Place, Provenance
+from ema_tools.results.parts import CurvesEntry, ErrorsEntry, Place, Provenance
 from ema_tools.results.workbench import BenchEntry
 
 
@@ -41,6 +41,9 @@ class ComparisonResult:
     name: str | None = None  # of the record
     channels: dict[str, ChannelErrorEntry]  # by column
     balances: dict[str, BalanceErrorEntry]  # mechanical, electrical, kinematic, controller
+    # the weighted error: of the model as given, with today's CSJ, BLK and nuisance parameters, and of a record with nothing new; None where nothing can be simulated
+    error: ErrorsEntry | None = field(default=None, metadata=SPARE)
+    today: dict[str, float] | None = field(default=None, metadata=SPARE)  # CSJ and BLK with which `error.after` is reached, by full name
     where: tuple[Place, ...] = ()  # largest share first
     sentence: str = ""
     unlocated_event_steps: int = 0  # of the simulation: steps in which more happened than the module resolves

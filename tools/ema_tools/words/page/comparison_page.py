@@ -7,6 +7,7 @@ import shlex
 from html import escape
 
 from ema_tools.results.comparison import BalanceErrorEntry
+from ema_tools.select.holdout import EXPLAINED
 from ema_tools.words.page import figures, names, signals, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.figure_svg import figure_svg
@@ -63,12 +64,23 @@ def _floor(one: BalanceErrorEntry) -> float | None:
 
 
 def _explained(result: ShownComparison) -> bool | None:
-    """Whether noise and method explain every equation; None where nothing says so."""
+    """Whether the model explains the record: by its weighted error, else by every equation; None where nothing says so."""
+    error = result.found.error
+    if error is not None and error.after is not None and error.floor is not None:
+        return error.after <= EXPLAINED * error.floor
     known = [one.excess_percent for one in result.found.balances.values() if one.excess_percent is not None]
     return all(excess == 0.0 for excess in known) if known else None
 
 
 def _sentence(result: ShownComparison) -> str:
+    error = result.found.error
+    if error is not None and error.after is not None and error.floor is not None:
+        told = f"weighted error {words.number(error.after)}, noise level {words.number(error.floor)}"
+        if _explained(result):
+            return f"The model explains the record: {told}."
+        largest = worst_block(result)
+        most = f"; {words.number(largest[1])} % unexplained in the {names.block(largest[0]).lower()}" if largest is not None else ""
+        return f"The model does not explain the record: {told}{most}."
     worst, rod = worst_block(result), result.channels.get("position_mm", (0.0, None))[1]
     moved = f"the rod position is off by {words.number(rod)} %" if rod is not None else "the rod does not move"
     if worst is None:
@@ -80,7 +92,10 @@ def _sentence(result: ShownComparison) -> str:
 
 def _noise(result: ShownComparison) -> Reply:
     question = "Is what is left noise?"
-    explained, worst = _explained(result), worst_block(result)
+    explained, worst, error = _explained(result), worst_block(result), result.found.error
+    if explained is not None and error is not None and error.after is not None and error.floor is not None:
+        told = f"{words.number(error.after / error.floor, 2)} times its noise level with today's CSJ and BLK"
+        return Reply(question, "Yes", told, "good") if explained else Reply(question, "No", told, "bad")
     floor = _floor(result.found.balances[worst[0]]) if worst is not None else None
     if explained is None or worst is None:
         return Reply(question, "Not told", "the result states no noise level")
@@ -130,7 +145,7 @@ def _next(result: ShownComparison) -> Reply:
     record = list(line.records[:1]) or ["RECORD.csv"]
     if _explained(result):
         return read_sizes(line)
-    ask = ["ema", "diagnose", line.actuator, *record, "--report", "diagnosis.html"]
+    ask = ["ema", "diagnose", line.actuator, *record, *line.again("--healthy"), "--report", "diagnosis.html"]
     return Reply(
         question, "Ask what is missing", "with healthy records of the machine behind --healthy, where there are any", "", shlex.join(ask)
     )

@@ -12,6 +12,7 @@ from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BlockEntry
 from ema_tools.results.parts import EffectEntry
+from ema_tools.select.holdout import EXPLAINED
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
@@ -23,7 +24,6 @@ from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
 _WORSE = 1.05  # times an error, from which on it is told as worse [layout]
-NEAR = 1.1  # an error this close to the noise level is at it [judgement]
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ def _holds(result: Diagnosed) -> Reply:
     if floor is not None and before is not None:
         against += f", noise level {words.number(floor)}"
     if result.added:
-        near = after is not None and floor is not None and after <= NEAR * floor
+        near = after is not None and floor is not None and after <= EXPLAINED * floor
         return Reply(
             question,
             "With it, yes" if near else "Better with it",
@@ -362,7 +362,7 @@ def _error(result: Diagnosed) -> Reply:
         parts.insert(1, "after: with what differs from day to day")
     if result.verdict == "unknown" and after is not None:
         return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
-    near = floor is not None and (after if after is not None else before) <= NEAR * floor
+    near = floor is not None and (after if after is not None else before) <= EXPLAINED * floor
     return Reply(question, short, "; ".join(parts), "good" if near else "")
 
 

@@ -24,7 +24,14 @@ from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
 from ema_tools.words.sentences.balance import along_text, forward_sentence, friction_sentence, held_out_sentence, lag_sentence
 from ema_tools.words.sentences.base_values import note
-from ema_tools.words.sentences.identification import BECAUSE, determined_words, shift_text, table_sentence, values_sentence, without_sentence
+from ema_tools.words.sentences.identification import (
+    BECAUSE,
+    determined_words,
+    shift_text,
+    table_sentence,
+    values_sentence,
+    without_sentence,
+)
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.sentences.sizes import ends_text, significant, size_text
 from ema_tools.words.terminal.console import number, table
