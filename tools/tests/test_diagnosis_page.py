@@ -16,6 +16,8 @@ from diagnosis_results import BINS, COMMAND, KINDS, diagnosis, diagnosis_page
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
 from ema_tools.tasks.workbench import bench
+from ema_tools.words.advice import read_sizes
+from ema_tools.words.command_line import CommandLine, line_of
 from ema_tools.words.page import charts, comparison_page, first_screen, heat, names, sheet, signals, uplot
 from ema_tools.words.page import diagnosis_page as page_of
 from ema_tools.words.page import text as words
@@ -85,25 +87,25 @@ def test_next_command_has_the_paths_that_were_given() -> None:
         == "ema add mine.toml stribeck_friction --fit today.csv --healthy 'runs/healthy *.csv' --holdout other.csv -o with_stribeck_friction.toml"
     )
     assert said(diagnosis("healthy")).replies[-1].command == "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv'"
-    line = sheet.line_of(COMMAND)
+    line = line_of(COMMAND)
     assert line is not None and line.options["--json"] == ("d.json",)
     # as the shell expands a pattern
-    many = sheet.line_of("ema diagnose a.toml today.csv --healthy h1.csv h2.csv h3.csv --force --json d.json")
+    many = line_of("ema diagnose a.toml today.csv --healthy h1.csv h2.csv h3.csv --force --json d.json")
     assert many is not None and many.records == ("today.csv",) and many.options["--healthy"] == ("h1.csv", "h2.csv", "h3.csv")
     assert many.again("--healthy", "--json") == ["--healthy", "h1.csv", "h2.csv", "h3.csv", "--json", "d.json"]
-    behind = sheet.line_of("ema identify a.toml --healthy h1.csv h2.csv today.csv")
+    behind = line_of("ema identify a.toml --healthy h1.csv h2.csv today.csv")
     assert behind is not None and (behind.actuator, behind.records, behind.options["--healthy"]) == (
         "a.toml",
         ("today.csv",),
         ("h1.csv", "h2.csv"),
     )
-    before = sheet.line_of("ema diagnose --healthy h1.csv h2.csv a.toml today.csv")
+    before = line_of("ema diagnose --healthy h1.csv h2.csv a.toml today.csv")
     assert before is not None and (before.actuator, before.records, before.options["--healthy"]) == (
         "a.toml",
         ("today.csv",),
         ("h1.csv", "h2.csv"),
     )
-    assert sheet.line_of("ema report x.json -o y.html") is None and sheet.line_of("ema 'unclosed") is None
+    assert line_of("ema report x.json -o y.html") is None and line_of("ema 'unclosed") is None
 
 
 def test_where_nothing_is_named_the_nearest_effects_are_and_how_far_off_they_are() -> None:
@@ -125,8 +127,8 @@ def test_where_nothing_is_named_the_nearest_effects_are_and_how_far_off_they_are
 
 def test_what_follows_a_model_that_holds_is_told_alike_on_every_page() -> None:
     read = said(diagnosis("healthy")).replies[-1]
-    other = sheet.read_sizes(sheet.CommandLine("mine.toml", ("today.csv",), {}))
-    assert (read.question, read.short, read.more) == (other.question, other.short, other.more)
+    other = read_sizes("mine.toml", CommandLine("mine.toml", ("today.csv",), {}))
+    assert (read.short, read.more) == (other.short, other.more)
     data = compared_whole()
     explained = {name: {**one, "excess_percent": 0.0} for name, one in data["balances"].items()}
     whole = parse_result({**data, "balances": explained}, "c.json", "c")

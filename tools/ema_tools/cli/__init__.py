@@ -29,6 +29,7 @@ from ema_tools.cli.exit_codes import exit_code_option, leave, of_diagnosis, of_i
 from ema_tools.cli.fleets import fleet
 from ema_tools.cli.greedy import TakesHealthy, healthy_option
 from ema_tools.cli.importing import import_group
+from ema_tools.cli.loop import loop
 from ema_tools.cli.options import command_line, fix_option, json_option, method_option, pictures_option, precision_option, save, writable
 from ema_tools.cli.picturing import draw, picture_files, say_drawn
 from ema_tools.cli.sections import InSections
@@ -1032,6 +1033,7 @@ def demo_command(folder: str | None, paper: bool, json_path: str | None, force: 
     save(json_path, DemoResult("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 
+cli.add_command(loop)
 cli.add_command(watch)
 cli.add_command(fleet)
 cli.add_command(import_group)

@@ -51,3 +51,11 @@ class ComparisonResult:
     next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
     workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves
+
+    @property
+    def explained(self) -> bool | None:
+        """Whether the model explains the record: by the weighted error, else by every balance; None where nothing says so."""
+        if self.error is not None and self.error.explained is not None:
+            return self.error.explained
+        known = [one.excess_percent for one in self.balances.values() if one.excess_percent is not None]
+        return all(excess == 0.0 for excess in known) if known else None

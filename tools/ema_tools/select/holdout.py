@@ -17,13 +17,13 @@ from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, cost_at, raw_cost, settled
 from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import Fit
+from ema_tools.results.parts import EXPLAINED
 from ema_tools.select.baseline import against_known, alone_against_known
 from ema_tools.select.outcome import Diagnosis
 
 _SETTLE_ROUNDS = 3  # of linear steps to where what scatters is best on the record held out [effort]
 # An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent [chance]
 _RISE = 1.02
-EXPLAINED = 1.1  # times the floor: so near to it nothing is missing on a record [judgement]
 # What moves before any effect is added.
 SCATTER = "what scatters from run to run"
 UNIT = "the unit's own parameters"

@@ -12,8 +12,9 @@ from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, raw_cost, settled
 from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import polished, refit
 from ema_tools.library.faults import FAULTS
+from ema_tools.results.parts import EXPLAINED
 from ema_tools.select.baseline import gather
-from ema_tools.select.holdout import EXPLAINED, weighted
+from ema_tools.select.holdout import weighted
 from ema_tools.select.known_machine import KnownMachine, live
 
 _ROUNDS = 3  # of fits with the nuisance parameters linear at the last one [effort]

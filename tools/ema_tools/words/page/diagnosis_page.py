@@ -11,7 +11,8 @@ from html import escape
 from ema_tools.library.registry import separating
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
-from ema_tools.select.holdout import EXPLAINED
+from ema_tools.results.parts import EXPLAINED
+from ema_tools.words.command_line import line_of
 from ema_tools.words.page import base_values, charts, heat, names, rest, where_pictures, workbench
 from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
@@ -28,7 +29,7 @@ from ema_tools.words.page.first_screen import (
     rungs,
     telling,
 )
-from ema_tools.words.page.sheet import Chapter, document, kept, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, document, kept, origin, table
 from ema_tools.words.page.uplot import ABSENT, library
 
 _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}

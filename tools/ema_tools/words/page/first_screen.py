@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-import re
-import shlex
 from dataclasses import dataclass
 
 from ema_tools.library.faults import FAULTS
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BlockEntry
-from ema_tools.results.parts import EffectEntry
-from ema_tools.select.holdout import EXPLAINED
+from ema_tools.results.parts import EXPLAINED, EffectEntry
+from ema_tools.words.advice import advice_of
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
-from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, new_model, read_sizes
+from ema_tools.words.page.sheet import FirstScreen, Reply, next_reply
 from ema_tools.words.sentences.balance import MOSTLY
 from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES
 
@@ -36,7 +34,9 @@ class TriedEffect:
 
 def first_screen(result: Diagnosed) -> FirstScreen:
     """All of it."""
-    return FirstScreen(_sentence(result), (_holds(result), _where(result), _missing(result), _error(result), _next(result)))
+    return FirstScreen(
+        _sentence(result), (_holds(result), _where(result), _missing(result), _error(result), next_reply(advice_of(result.found)))
+    )
 
 
 def accepted(result: Diagnosed) -> list[EffectEntry]:
@@ -364,60 +364,6 @@ def _error(result: Diagnosed) -> Reply:
         return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
     near = floor is not None and (after if after is not None else before) <= EXPLAINED * floor
     return Reply(question, short, "; ".join(parts), "good" if near else "")
-
-
-def _next(result: Diagnosed) -> Reply:
-    question = "What next?"
-    line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
-    healthy, record = line.again("--healthy"), list(line.records[:1]) or ["RECORD.csv"]
-    if result.added:
-        found = result.found
-        assert isinstance(found, Addition)
-        if found.recommended:
-            return Reply(
-                question,
-                "Diagnose with it again",
-                "until nothing is missing",
-                "",
-                shlex.join(["ema", "diagnose", found.actuator, *record, *healthy]),
-            )
-        return Reply(question, "Do not keep it", found.reason or "it is not recommended", "unsure")
-    if not _answerable(result):
-        wanted = next((one.next for one in result.remarks if one.severity == "blocks" and one.next), "")
-        return Reply(question, "Record again", wanted, "unsure")
-    if result.verdict == "adequate":
-        return read_sizes(line)
-    between = re.search(r"ema next .+? --between ([\w ]+?) says", result.next_experiment)
-    if between is not None:
-        told = "this record does not tell " + names.listed([names.within(name) for name in between[1].split()]) + " apart"
-        return Reply(
-            question,
-            "Record what tells them apart",
-            told,
-            "unsure",
-            shlex.join(["ema", "next", line.actuator, "--between", *between[1].split()]),
-        )
-    if result.verdict == "missing" and accepted(result):
-        fitted = line.options.get("--fitted")
-        if fitted:
-            return Reply(question, "Diagnose with the new model", "", "", shlex.join(["ema", "diagnose", fitted[0], *record, *healthy]))
-        effects = [one.name for one in accepted(result)]
-        if "is in the actuator file already" in result.next_experiment:
-            return read_sizes(line)
-        if result.by_forces or effects[0].startswith("learned_"):
-            del effects[1:]
-        files = ["--fit", *(part for one in line.records or ("RECORD.csv",) for part in (one, "--fit"))][:-1]
-        add = ["ema", "add", line.actuator, *effects, *files, *healthy, *line.again("--holdout"), "-o", new_model(record[0], effects)]
-        return Reply(question, "Put it into the model", "then diagnose again", "", shlex.join(add))
-    found = result.found
-    if isinstance(found, DiagnosisResult) and found.sensor is not None:
-        return Reply(question, "Check the sensor", found.sensor.next, "unsure")
-    learned = found.unknown.learned if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult) and found.unknown is not None else None
-    if learned is not None and "ema add" in result.next_experiment:
-        add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", new_model(record[0], [learned.effect])]
-        return Reply(question, "Put it in as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
-    told = result.next_experiment.removeprefix("Next: ").replace("look at the pictures (--report), and ", "then ")
-    return Reply(question, "Look at the pictures", told, "unsure")
 
 
 def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:
