@@ -104,15 +104,15 @@ def walked(first: Sequence[str], folder: Path, run: Command = ema) -> Walk:
         advice = [text for text in answer.out.splitlines() if text.startswith("Next: ")]
         failed = answer.code != 0 or "Traceback" in answer.out + answer.err or not answer.result
         sentence = answer.err.strip()[-2000:] or f"exit code {answer.code}, no result" if failed else _sentence(answer.result)
-        walk.steps.append({"command": line, "sentence": sentence, "next": " | ".join(advice), "seconds": round(time.monotonic() - begun, 1)})
+        walk.steps.append(
+            {"command": line, "sentence": sentence, "next": " | ".join(advice), "seconds": round(time.monotonic() - begun, 1)}
+        )
         if failed:
             walk.end = "error"
             return walk
         walk.results.append(answer.result)
         commands = [list(command) for command in answer.result.get("next", ())]
-        walk.unprinted += [
-            text for text in map(shlex.join, commands) if not any(printed.endswith(f": {text}") for printed in advice)
-        ]
+        walk.unprinted += [text for text in map(shlex.join, commands) if not any(printed.endswith(f": {text}") for printed in advice)]
         if _is_verdict(answer.result):
             walk.end = "verdict"
             return walk

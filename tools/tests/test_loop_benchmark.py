@@ -22,15 +22,19 @@ WORN = Truth((), {"blk": 0.6}, HEALTHY, {"csj": 0.138, "blk": 0.0528})
 
 
 def diagnosis(*advised: Sequence[str], **values: Any) -> Answer:
-    result: dict[str, Any] = {"command": "diagnose", "method": "simulation", "verdict": "missing", "next": [list(one) for one in advised], **values}
+    result: dict[str, Any] = {
+        "command": "diagnose",
+        "method": "simulation",
+        "verdict": "missing",
+        "next": [list(one) for one in advised],
+        **values,
+    }
     printed = "".join(f"Next: do it: {' '.join(one)}\n" for one in advised)
     return Answer(0, printed, "", result)
 
 
 def identification(verdict: str, blk_mm: float = 0.033) -> Answer:
-    sizes = {
-        key: {"estimate": value, "interval95": [value * 0.98, value * 1.02]} for key, value in (("csj_Nm", 0.138), ("blk_mm", blk_mm))
-    }
+    sizes = {key: {"estimate": value, "interval95": [value * 0.98, value * 1.02]} for key, value in (("csj_Nm", 0.138), ("blk_mm", blk_mm))}
     return Answer(0, "", "", {"command": "identify", "verdict": verdict, "next": [], **sizes})
 
 
@@ -129,7 +133,8 @@ def test_the_list_is_long_enough_and_a_sample_is_even() -> None:
 def test_the_document_lists_every_walk_that_is_not_right() -> None:
     steps = [{"command": "ema diagnose reference today.csv", "sentence": "Told so.", "next": "", "seconds": 1.0}]
     rows = [
-        {"key": f"walk {end}", "kind": "fault", "judged": end, "why": "", "steps": steps, "unprinted": []} for end in ("right", "wrong", "circle")
+        {"key": f"walk {end}", "kind": "fault", "judged": end, "why": "", "steps": steps, "unprinted": []}
+        for end in ("right", "wrong", "circle")
     ]
     text = written(rows, "call")
     assert "| fault | 3 | 1.0 | 1 | 0 | 1 | 1 | 0 | 0 |" in text
