@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from benchmarks.goals import Rows, share
+from benchmarks.goals import Rows
 
 ENDS = ("right", "undecided", "wrong", "circle", "error", "long")
 
@@ -51,11 +51,9 @@ def written(rows: Rows, call: str) -> str:
         "| goal | limit | met | reached |",
         "|---|---|---|---:|",
     ]
-    for title, end in mistakes.items():
-        percent, text = share(rows, lambda row, end=end: row["judged"] == end)
-        lines.append(f"| {title} | 0 | {'**no**' if percent else 'yes'} | {text} |")
-    percent, text = share(rows, lambda row: bool(row["unprinted"]))
-    lines.append(f"| advised commands that the terminal does not print | 0 | {'**no**' if percent else 'yes'} | {text} |")
+    counts = {title: sum(row["judged"] == end for row in rows) for title, end in mistakes.items()}
+    counts["walks with an advised command that the terminal does not print"] = sum(bool(row["unprinted"]) for row in rows)
+    lines += [f"| {title} | 0 | {'**no**' if count else 'yes'} | {count} of {len(rows)} |" for title, count in counts.items()]
     lines += ["", "## By kind", "", head, "|---|" + "---:|" * (len(ENDS) + 2)]
     lines += [_row(kind, [row for row in rows if row["kind"] == kind]) for kind in kinds]
     lines += [_row("**all**", rows), "", "## Walks that did not end right", ""] if rows else []

@@ -60,7 +60,7 @@ def _run(command_m: Reals, values: Reals, phase: float, found: Reals) -> None:
     metres = 0.005 / (2.0 * math.pi * 4.0)
     half = 0.5e-3 * blk_mm
     dt = TICK_S / _STEPS_PER_TICK
-    late = int(round(delay / dt))
+    late = round(delay / dt)
     level = csj - _SEAL_N * metres
     angle, speed, bristle, current = 0.0, 0.0, 0.0, 0.0
     rod, rod_speed, integral = 0.0, 0.0, 0.0

@@ -106,7 +106,7 @@ class Trial:
     def _motion(self, folder: Path) -> tuple[list[str], Truth]:
         size = SIZES[self.size] if self.size else 0.0
         hidden = {name: plants.EFFECTS[name] * size for name in self.effects}
-        changed = {"friction": shift for _, shift in self.faults}
+        changed = {"friction": dict(self.faults)["csj"]} if self.faults else {}
         healthy: list[MotionRecord] = []
         for day in range(1, self.baseline + 1):
             healthy += plants.records_of_day(plants.Machine(self.plant, self.unit, {}), self.command, day)
