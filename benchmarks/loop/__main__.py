@@ -31,6 +31,8 @@ def main(sample: int | None, numbers: tuple[int, ...], workers: int, kept: bool,
         for trial in trials():
             if trial.number in numbers:
                 place = folder / str(trial.number)
+                if place.exists():
+                    raise click.UsageError(f"{place}: exists, and a walk begins in an empty folder: remove it, or give another with -o")
                 place.mkdir(parents=True)
                 rows.append(perform(trial, keep=place))
         running.told(written(rows, ""), "## By kind", f"{len(rows)} walks", begun, None)
