@@ -156,7 +156,8 @@ def _judged_by_balance(results: Sequence[Mapping[str, Any]], truth: Truth) -> tu
     # every machine of benchmarks.machines has bristle friction
     accepted.pop("presliding", None)
     if not accepted:
-        return ("right", "") if not hidden else ("wrong", f"{' and '.join(sorted(hidden))} called healthy")
+        missed = " and ".join(sorted(hidden))
+        return ("wrong", f"{missed} called healthy") if truth.faults else ("undecided", f"{missed} missed") if hidden else ("right", "")
     if not hidden:
         return "wrong", f"healthy called {', '.join(accepted)}"
     named = any(hidden & alike for alike in accepted.values())

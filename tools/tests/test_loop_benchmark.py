@@ -95,7 +95,7 @@ def test_a_verdict_is_judged_by_the_truth(verdict: str, blk_mm: float, truth: Tr
     ("verdict", "accepted", "hidden", "expected"),
     [
         ("adequate", (), (), "right"),
-        ("adequate", (), ("spring_load",), "wrong"),
+        ("adequate", (), ("spring_load",), "undecided"),
         ("missing", ("spring_load",), ("spring_load",), "right"),
         ("missing", ("cogging_torque",), ("spring_load",), "wrong"),
         ("missing", ("cogging_torque",), (), "wrong"),
@@ -108,6 +108,11 @@ def test_an_end_by_the_balance_is_judged_by_its_names(
     effects = [{"name": name, "class": [], "accepted": True} for name in accepted]
     walk = walk_of({" ".join(FIRST): diagnosis(method="balance", verdict=verdict, effects=effects, faults={})})
     assert walk.end == "verdict" and judged(walk, Truth(hidden, {}, None, None))[0] == expected
+
+
+def test_worn_friction_that_the_balance_calls_healthy_is_wrong() -> None:
+    walk = walk_of({" ".join(FIRST): diagnosis(method="balance", verdict="adequate", effects=[], faults={})})
+    assert judged(walk, Truth((), {"csj": 0.3}, None, None)) == ("wrong", "csj called healthy")
 
 
 def test_an_effect_that_was_added_before_counts_at_the_end_by_the_balance() -> None:
