@@ -34,7 +34,15 @@ def diagnosis(*advised: Sequence[str], **values: Any) -> Answer:
 
 
 def identification(verdict: str, blk_mm: float = 0.033) -> Answer:
-    sizes = {key: {"estimate": value, "interval95": [value * 0.98, value * 1.02]} for key, value in (("csj_Nm", 0.138), ("blk_mm", blk_mm))}
+    sizes = {
+        key: {
+            "estimate": value,
+            "healthy": healthy,
+            "shift_percent": 100.0 * (value / healthy - 1.0),
+            "interval95": [value * 0.98, value * 1.02],
+        }
+        for key, value, healthy in (("csj_Nm", 0.138, 0.138), ("blk_mm", blk_mm, 0.033))
+    }
     return Answer(0, "", "", {"command": "identify", "verdict": verdict, "next": [], **sizes})
 
 
