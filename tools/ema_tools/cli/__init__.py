@@ -334,11 +334,13 @@ def identify(
     from ema_tools.select.known_machine import silent
     from ema_tools.tasks.baseline_records import baseline_records_of, why_not_used, with_state
     from ema_tools.tasks.identify import identify as work
+    from ema_tools.tasks.model_error import error_where_known
     from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
     from ema_tools.tasks.several_values import searched_of, several_values
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
+    from ema_tools.words.answers.comparison import error_entry
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
@@ -394,6 +396,7 @@ def identify(
     given = healthy or model.healthy
     result = replace(
         result,
+        error=None if no_guard or table is not None else error_entry(error_where_known(model, measured, references, asked=False)),
         sentence=with_paths(result.sentence, actuator, [record], given),
         reasons=tuple(with_paths(reason, actuator, [record], given) for reason in result.reasons),
         workbench=bench(found.healthy, measured) if json_path or page else None,

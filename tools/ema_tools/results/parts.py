@@ -12,6 +12,7 @@ Provenance = dict[str, str]
 
 
 EXPLAINED = 1.1  # times the noise level: a model that leaves no more on a record lacks nothing that this record shows [judgement]
+_NOISELESS = 0.1  # of a record without noise: a weighted error below a tenth of what its signals are trusted to [precision]
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class ErrorsEntry:
     @property
     def explained(self) -> bool | None:
         """Whether the last model leaves no more than noise; None where the errors are not known."""
-        return None if self.after is None or self.floor is None else self.after <= EXPLAINED * self.floor
+        return None if self.after is None or self.floor is None else self.after <= max(EXPLAINED * self.floor, _NOISELESS)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, raw_cost, settled
 from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import polished, refit
 from ema_tools.library.faults import FAULTS
-from ema_tools.results.parts import EXPLAINED
+from ema_tools.results.parts import ErrorsEntry
 from ema_tools.select.baseline import gather
 from ema_tools.select.holdout import weighted
 from ema_tools.select.known_machine import KnownMachine, live
@@ -37,7 +37,7 @@ class ModelError:
     @property
     def explains(self) -> bool:
         """Whether the model leaves no more than a record with nothing new."""
-        return self.fitted <= EXPLAINED * self.noise_level
+        return bool(ErrorsEntry(self.given, self.fitted, self.noise_level).explained)
 
 
 def model_error(actuator: Actuator, record: Record, baseline: Sequence[Record] = ()) -> ModelError:

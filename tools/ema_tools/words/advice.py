@@ -154,7 +154,11 @@ def after_addition(found: Addition) -> Advice:
     """Identify with the new model where it leaves no more than noise, else diagnose with it again."""
     line = _line(found)
     if found.recommended is False:
-        return Advice("Do not keep it", found.reason or "it is not recommended", "unsure")
+        reason = found.reason or "it is not recommended"
+        if "--known" in shlex.split(found.provenance.get("command", "")):
+            arguments = _ema("diagnose", line.actuator, _record(line), more=line.again("--holdout"))
+            return Advice("Ask what else could be missing", f"this effect is not kept: {reason}", "unsure", arguments)
+        return Advice("Do not keep it", reason, "unsure")
     by_balance = found.method == "balance"
     if found.error.explained and not by_balance:
         # the new file names its baseline records
@@ -194,6 +198,10 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
             return Advice("Diagnose with the new model", "", "", again)
         if "is in the actuator file already" in found.next_experiment:
             return read_sizes(line.actuator, line, "--healthy")
+        if by_balance and healthy:
+            # ema add fits to the records of today alone
+            again = _ema("diagnose", line.actuator, *line.records, *healthy, *line.again("--holdout"))
+            return Advice("Put it into the model", "then diagnose again", "", (*again, "--fitted", new_model(record, accepted)))
         if by_balance or accepted[0].startswith("learned_"):
             del accepted[1:]
         return Advice("Put it into the model", "then diagnose again", "", _added(line, accepted))
@@ -241,9 +249,11 @@ def after_identification(found: IdentificationResult) -> Advice:
     if objection == "signals":
         again = _ema("identify", line.actuator, "NEXT.csv", more=healthy)
         return Advice("Check the sensors and record again", "the rod position and the other signals contradict each other", "unsure", again)
-    if objection == "unknown" or (guard is None and not found.adequate):
+    # with its own values free the model explains the record: a diagnosis would find nothing missing
+    explained = found.error is not None and bool(found.error.explained)
+    if (objection == "unknown" or (guard is None and not found.adequate)) and not explained:
         return Advice("Ask what is missing", "it looks at every signal", "", diagnose)
-    if objection in ("open", "healthy"):
+    if objection in ("open", "healthy") or explained:
         # those there are and the new ones: the same command would say the same again
         more = [*healthy, "MORE.csv"] if healthy else ["--healthy", "healthy_*.csv"]
         again = _ema("identify", line.actuator, record, *more)

@@ -21,12 +21,17 @@ def comparison(
         balances={name: _balance(error) for name, error in found.balances.items()},
         where=tuple(map(_place, found.where)),
         sentence=sentence(found, error),
-        error=None if error is None else ErrorsEntry(error.given, error.fitted, error.noise_level),
+        error=error_entry(error),
         today=None if error is None else dict(error.today),
         unlocated_event_steps=found.simulation.unlocated_event_steps if found.simulation is not None else 0,
         provenance=provenance,
         curves=curves,
     )
+
+
+def error_entry(error: ModelError | None) -> ErrorsEntry | None:
+    """The weighted error as a result holds it."""
+    return None if error is None else ErrorsEntry(error.given, error.fitted, error.noise_level)
 
 
 def _balance(error: BalanceError) -> result.BalanceErrorEntry:
