@@ -11,7 +11,7 @@ const EmaFit = (() => {
   const DAMPED = [1e-6, 1e-3, 1e-1, 1, 10, 100]; // shares of the curvature added to it, until a step lowers the cost [judgement]
   const TRIED = 2; // best starts that are fitted [effort]
   const FACTORS = [1e-2, 1e2]; // by which a first size is scaled [judgement]
-  const SAME_DIGITS = 3; // errors equal to so many digits are equal: fewer values come first
+  const SAME_DIGITS = 4; // errors equal to so many digits, as they are shown, are equal: fewer values come first
 
   const dot = (a, b) => {
     let sum = 0;
