@@ -1,5 +1,5 @@
-# The module once more, for the browser: lib/ema.wasm, which the page's workbench runs. The same sources in float32, by clang and its wasm-ld, without any C library.
-# Where these are missing it is left out and said so; everything else works without it, and the page says that its workbench is not there.
+# The module for the browser: lib/ema.wasm, which the page's workbench runs. The same sources in float32, by clang and its wasm-ld, without any C library.
+# Without them it is not built, and the configuration and the page say what to install; everything else works.
 
 option(EMA_WASM "Compile the module to WebAssembly for the page's workbench, where clang and wasm-ld are found" ON)
 
@@ -31,7 +31,7 @@ if(EMA_WASM)
         endif()
     endforeach()
     if(NOT ema_wasm_compiler)
-        message(STATUS "ema.wasm is left out, and with it the page's workbench: it needs clang with wasm-ld (packages clang and lld)")
+        message(STATUS "ema.wasm is not built, so pages have no workbench: install clang and lld (apt-get install clang lld), then build again")
     endif()
 endif()
 

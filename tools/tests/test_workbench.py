@@ -83,7 +83,7 @@ def test_a_bad_model_is_named() -> None:
     bad = model(actuator)
     place = load_definitions().ids["motor.resistance_ohm"]
     bad["values"][place] = -1.0
-    jobs = [
+    jobs: list[dict[str, Any]] = [
         {"kind": "simulate", "model": bad, "start_mm": 0.0, "record": columns(read_record(RECORDINGS / "case_a.csv", actuator))},
         {"kind": "simulate", "model": model(actuator), "start_mm": 0.0},
         {"kind": "noise"},
@@ -245,7 +245,7 @@ def test_csv_is_read_as_python_reads_it_and_refused_with_a_line_that_helps(tmp_p
         "": "holds no rows",
         _csv().replace("0.001,", "0.002,", 1): "not one period",
     }
-    jobs = [
+    jobs: list[dict[str, Any]] = [
         {"kind": "csv", "text": text, "file": "dropped.csv", "period_s": 0.001}
         for text in (good, "\ufeff" + good.replace("\n", "\r\n"), *bad)
     ]

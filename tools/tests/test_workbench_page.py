@@ -216,7 +216,8 @@ def test_a_fit_moves_all_values_of_an_effect_and_ends_at_an_optimum(rod_alone: b
 
 def _named(values: list[float]) -> dict[str, float]:
     """Values of the model that are not the reference actuator's, by name."""
-    return {name: value for name, value, known in zip(load_definitions().ids, values, _values(read_actuator(REFERENCE)), strict=True) if value != known}
+    known = _values(read_actuator(REFERENCE))
+    return {name: values[place] for name, place in load_definitions().ids.items() if place < len(known) and values[place] != known[place]}
 
 
 def test_undo_steps_back_through_values_switches_and_fits(opened: Bench) -> None:
@@ -468,8 +469,8 @@ def test_every_rung_is_loaded_though_some_of_its_values_have_no_slider(method: s
         assert set(told) == {name for name in hidden if step["values"][name] != given[ids[name.removeprefix("effects.")]]}
         unseen += len(told)
         if method == "simulation":
-            # the ladder takes off slight ripple and zeros, too, which no value of the model states
-            assert 0.995 * step["told_training"] <= state["error"] <= 1.1 * step["told_training"], step["added"]
+            # sensor zeros and slight effects, which no value states, are at their best here; in the ladder no farther than is credible
+            assert state["error"] == pytest.approx(step["told_training"], rel=2e-3), step["added"]
     assert unseen > 0 or method == "balance"
     # the file that is downloaded is the model that is seen
     written = actuator_of(bench.page.evaluate("emaWorkbench.texts.toml()"), "reference.toml")

@@ -29,7 +29,7 @@ from ema_tools.results.workbench import BenchEntry, SpreadEntry, WeighedEntry
 POLICY = "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:"
 
 _MODULE = "ema.wasm"
-_ABSENT = f"The workbench is left out: {_MODULE} was not built. It needs clang with lld (packages clang and lld); then build the project and write the page again."
+_ABSENT = f"The page has no workbench: {_MODULE} was not built. Install the packages clang and lld, build the project and write the page again."
 # Values beside the effects': each with the share of the healthy value up to which its slider goes, and the bounds of its fit.
 _FAULTS = {
     "screw.csj_Nm": ("CSJ, static dry friction", ("search.csj_lower_Nm", "search.csj_upper_Nm")),
@@ -168,7 +168,13 @@ def _spread(actuator: Actuator, spread: SpreadEntry) -> dict[str, Any]:
     rows = [row_of(name) for name in spread.names]
     zeros = [actuator[row.name] for row in rows]
     std = spread.std * abs(zeros[0]) if spread.relative else spread.std
-    return {"ids": [load_definitions().ids[row.name] for row in rows], "zeros": zeros, "std": std, "lower": rows[0].lower, "upper": rows[0].upper}
+    return {
+        "ids": [load_definitions().ids[row.name] for row in rows],
+        "zeros": zeros,
+        "std": std,
+        "lower": rows[0].lower,
+        "upper": rows[0].upper,
+    }
 
 
 def _deflated(raw: bytes) -> str:
@@ -249,7 +255,9 @@ def _starts(effect: Effect, usual: dict[str, float], stroke_mm: tuple[float, flo
     reach_mm = max(map(abs, stroke_mm))
     onboard = record.onboard
     found: dict[str, Sequence[float]] = {**record.shapes}
-    found |= {name: [share * (reach_mm if name in onboard.of_reach else 1.0) for share in shares] for name, shares in onboard.shapes.items()}
+    found |= {
+        name: [share * (reach_mm if name in onboard.of_reach else 1.0) for share in shares] for name, shares in onboard.shapes.items()
+    }
     found |= {row.field: np.linspace(*stroke_mm, _PLACES).tolist() for row in effect.parameters if _is_place(effect, row)}
     if record.periodic is not None and record.periodic.periods:
         found[_WHOLE] = record.periodic.periods

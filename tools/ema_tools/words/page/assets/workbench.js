@@ -85,9 +85,9 @@
       const base = EmaFit.based(misfit, job.rows, job.values);
       const ranked = [{ name: "", values: base.values, zeros: base.zeros, error: misfit.error(base.cost), count: 0, edge: [] }];
       for (const effect of job.effects) {
-        postMessage({ id: job.id, ranked, next: effect.name });
+        postMessage({ id: job.id, ranked: EmaFit.inOrder(ranked), next: effect.name });
         const one = EmaFit.withEffect(misfit, base, effect);
-        if (one) EmaFit.inOrder(ranked).push(one);
+        if (one) ranked.push(one);
       }
       return EmaFit.inOrder(ranked);
     };
