@@ -97,8 +97,10 @@ def _run(command_m: Reals, values: Reals, phase: float, found: Reals) -> None:
                 share = 1.0
                 if bent < 1.0:
                     share = 0.5 - 0.5 * math.cos(math.pi * (bent - _ELASTIC_SHARE) / (1.0 - _ELASTIC_SHARE))
-            yields = speed * (1.0 - share * bristle * (1.0 if speed > 0.0 else -1.0) / most)
-            bristle += dt * yields
+            # backward in the deflection, which settles within a fraction of a step at speed
+            settled = (bristle + dt * speed) / (1.0 + dt * share * abs(speed) / most)
+            yields = (settled - bristle) / dt
+            bristle = settled
             rubs = _BRISTLE_NM_PER_RAD * bristle + _BRISTLE_NM_S_PER_RAD * yields
             # play: a spring and a damper that never pull
             gap = metres * angle - rod

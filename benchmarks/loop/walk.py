@@ -19,7 +19,7 @@ from typing import Any
 from benchmarks.loop.trials import Trial, Truth
 
 MOST_COMMANDS = 6
-# An estimate is wrong where it is off by more than its interval and more than this share of the healthy value.
+# A shift is wrong where it is off by more than its interval and more than this share of the healthy value: what is stated, whatever the healthy value is read as.
 _OFF = 0.1
 _NAMES = {"csj": "csj_Nm", "blk": "blk_mm"}
 
@@ -134,15 +134,20 @@ def judged(walk: Walk, truth: Truth) -> tuple[str, str]:
     verdict = walk.result["verdict"]
     if truth.today is None or truth.healthy is None:
         return _judged_by_balance(walk.results, truth)
+    # wear is more friction and more play
+    worn = any(shift > 0.0 for shift in truth.faults.values())
     if verdict == "healthy":
-        return ("wrong", "a fault called healthy") if truth.faults else ("right", "")
-    if not truth.faults:
+        return ("wrong", "a fault called healthy") if worn else ("right", "")
+    if not worn:
         return "wrong", "healthy called a fault"
     for name, key in _NAMES.items():
-        low, high = walk.result[key]["interval95"]
-        off = walk.result[key]["estimate"] - truth.today[name]
-        if not low <= truth.today[name] <= high and abs(off) > _OFF * truth.healthy[name]:
-            return "wrong", f"{key} {walk.result[key]['estimate']:.4g} [{low:.4g} .. {high:.4g}] instead of {truth.today[name]:.4g}"
+        found, shift = walk.result[key], truth.today[name] / truth.healthy[name] - 1.0
+        low, high = (end / found["healthy"] - 1.0 for end in found["interval95"])
+        if not low <= shift <= high and abs(0.01 * found["shift_percent"] - shift) > _OFF:
+            return (
+                "wrong",
+                f"{key} {found['shift_percent']:+.1f} % [{100.0 * low:.1f} .. {100.0 * high:.1f}] instead of {100.0 * shift:+.1f} %",
+            )
     return "right", ""
 
 
@@ -156,7 +161,8 @@ def _judged_by_balance(results: Sequence[Mapping[str, Any]], truth: Truth) -> tu
     # every machine of benchmarks.machines has bristle friction
     accepted.pop("presliding", None)
     if not accepted:
-        return ("right", "") if not hidden else ("wrong", f"{' and '.join(sorted(hidden))} called healthy")
+        missed = " and ".join(sorted(hidden))
+        return ("wrong", f"{missed} called healthy") if truth.faults else ("undecided", f"{missed} missed") if hidden else ("right", "")
     if not hidden:
         return "wrong", f"healthy called {', '.join(accepted)}"
     named = any(hidden & alike for alike in accepted.values())

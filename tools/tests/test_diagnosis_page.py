@@ -60,7 +60,7 @@ def said(data: dict[str, Any]) -> sheet.FirstScreen:
         (
             "unknown",
             "The model does not hold. Something is there that the library of effects does not know.",
-            ("No", "Mechanics", "Not in the library", "48.0 → 8.00", "Look at the pictures"),
+            ("No", "Mechanics", "Not in the library", "48.0, not explained", "Look at the pictures"),
         ),
     ],
 )

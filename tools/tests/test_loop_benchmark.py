@@ -34,7 +34,15 @@ def diagnosis(*advised: Sequence[str], **values: Any) -> Answer:
 
 
 def identification(verdict: str, blk_mm: float = 0.033) -> Answer:
-    sizes = {key: {"estimate": value, "interval95": [value * 0.98, value * 1.02]} for key, value in (("csj_Nm", 0.138), ("blk_mm", blk_mm))}
+    sizes = {
+        key: {
+            "estimate": value,
+            "healthy": healthy,
+            "shift_percent": 100.0 * (value / healthy - 1.0),
+            "interval95": [value * 0.98, value * 1.02],
+        }
+        for key, value, healthy in (("csj_Nm", 0.138, 0.138), ("blk_mm", blk_mm, 0.033))
+    }
     return Answer(0, "", "", {"command": "identify", "verdict": verdict, "next": [], **sizes})
 
 
@@ -95,7 +103,7 @@ def test_a_verdict_is_judged_by_the_truth(verdict: str, blk_mm: float, truth: Tr
     ("verdict", "accepted", "hidden", "expected"),
     [
         ("adequate", (), (), "right"),
-        ("adequate", (), ("spring_load",), "wrong"),
+        ("adequate", (), ("spring_load",), "undecided"),
         ("missing", ("spring_load",), ("spring_load",), "right"),
         ("missing", ("cogging_torque",), ("spring_load",), "wrong"),
         ("missing", ("cogging_torque",), (), "wrong"),
@@ -108,6 +116,11 @@ def test_an_end_by_the_balance_is_judged_by_its_names(
     effects = [{"name": name, "class": [], "accepted": True} for name in accepted]
     walk = walk_of({" ".join(FIRST): diagnosis(method="balance", verdict=verdict, effects=effects, faults={})})
     assert walk.end == "verdict" and judged(walk, Truth(hidden, {}, None, None))[0] == expected
+
+
+def test_worn_friction_that_the_balance_calls_healthy_is_wrong() -> None:
+    walk = walk_of({" ".join(FIRST): diagnosis(method="balance", verdict="adequate", effects=[], faults={})})
+    assert judged(walk, Truth((), {"csj": 0.3}, None, None)) == ("wrong", "csj called healthy")
 
 
 def test_an_effect_that_was_added_before_counts_at_the_end_by_the_balance() -> None:

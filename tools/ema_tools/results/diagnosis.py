@@ -46,6 +46,7 @@ class DiagnosisResult:
     # without healthy records: CSJ and BLK where they lie farther from the data sheet than units do
     unit_shift_percent: dict[str, float] = field(default_factory=dict)
     error: WeightedErrors
+    rivals: tuple[str, ...] = ()  # causes that explain the records as well as the accepted ones
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1
     steps: tuple[StepEntry, ...] = ()
@@ -244,6 +245,7 @@ class DiagnosisByBalanceResult:
     error_unit: str
     floor_from: FloorFrom | None = None  # what error.floor is taken from
     forward: ForwardErrors | None = field(default=None, metadata=SPARE)
+    rivals: tuple[str, ...] = ()  # causes that explain the records as well as the accepted ones
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     # unknown for the reason alone that these records do not tell whether what is left, which is much, is chance

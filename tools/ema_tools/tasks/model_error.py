@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator
@@ -16,6 +16,7 @@ from ema_tools.results.parts import ErrorsEntry
 from ema_tools.select.baseline import gather
 from ema_tools.select.holdout import weighted
 from ema_tools.select.known_machine import KnownMachine, live
+from ema_tools.select.sensors import Suspect, odd_signal, suspect
 
 _ROUNDS = 3  # of fits with the nuisance parameters linear at the last one [effort]
 
@@ -25,7 +26,7 @@ class ModelError:
     """Rms of the whitened residual; 1 is sensor noise alone where all signals are noisy.
 
     `given`: the model as its file has it; `fitted`: with CSJ, BLK and nuisance parameters at their best, which are `today` by full name; `noise_level`: of a record with nothing new;
-    `baseline`: number of baseline records behind it.
+    `baseline`: number of baseline records behind it; `sensor`: whose own error would explain what the model does not.
     """
 
     given: float
@@ -33,6 +34,7 @@ class ModelError:
     noise_level: float
     today: Mapping[str, float]
     baseline: int
+    sensor: Suspect | None = None
 
     @property
     def explains(self) -> bool:
@@ -47,7 +49,8 @@ def model_error(actuator: Actuator, record: Record, baseline: Sequence[Record] =
     today = {name: values[name] for name in FAULTS.values() if name in values}
     given = weighted(raw_cost(evidence), evidence)
     # the model as given is one of those that the fit chooses from
-    return ModelError(given, min(given, weighted(cost, evidence)), weighted(evidence.expected_cost(), evidence), today, len(baseline))
+    found = ModelError(given, min(given, weighted(cost, evidence)), weighted(evidence.expected_cost(), evidence), today, len(baseline))
+    return found if found.explains else replace(found, sensor=suspect(evidence) or odd_signal(evidence))
 
 
 def error_where_known(actuator: Actuator, record: Record, baseline: Sequence[Record], asked: bool) -> ModelError | None:

@@ -67,6 +67,7 @@ def diagnosis_by_balance(
         error_unit=FORCE_UNIT,
         floor_from=found.floor_from,
         forward=forward(found.forward),
+        rivals=tuple(dict.fromkeys(called(other) for step in found.accepted for other in step.alike if other not in kept)),
         next_experiment=next_step(found),
         unexplained=found.unexplained,
         untellable=(found.verdict == "unknown" and found.untellable) or None,

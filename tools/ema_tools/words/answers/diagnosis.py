@@ -18,7 +18,7 @@ from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import errors, field_of, sensor, steps
 from ema_tools.words.answers.unexplained import unexplained
 from ema_tools.words.answers.validity import validity
-from ema_tools.words.sentences.diagnosis import hidden, next_step, sentence
+from ema_tools.words.sentences.diagnosis import hidden, next_step, rivals, sentence
 
 # Effects that are listed.
 _LISTED = 12
@@ -39,11 +39,12 @@ def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None 
         standing=_standing(found) if relative else {},
         unit_shift_percent={field_of(name): 100.0 * shift for name, shift in found.unit_shift.items()},
         error=errors(found.errors),
+        rivals=rivals(found),
         next_experiment=next_step(found),
         unexplained=found.diagnosis.unexplained,
         steps=steps(found.steps),
         gate=validity(found.gate),
-        where=localisation(found.where),
+        where=localisation(found.where, found.sensor),
         unknown=unexplained(found.left, found.learned) if found.left else None,
         sensor=sensor(found.sensor) if found.sensor is not None else None,
         provenance=provenance,

@@ -152,6 +152,7 @@ def _sentence(result: Diagnosed) -> str:
     if result.verdict == "missing":
         named = [one.name for one in accepted(result)]
         first = names.listed([names.display(named[0]), *map(names.within, named[1:])]) if named else "An effect"
+        first += "".join(f" or {names.within(rival)}" for rival in getattr(result.found, "rivals", ()))
         worn = f"; {names.listed(changed)}" if changed else f"; {names.listed(off)} off the data sheet" if off else ""
         mostly = _mostly_unexplained(result)
         least = f", and {mostly}" if mostly else ""
@@ -361,7 +362,9 @@ def _error(result: Diagnosed) -> Reply:
     if result.verdict == "adequate" and not faults(result) and result.relative and after is not None and not result.by_forces:
         parts.insert(1, "after: with what differs from day to day")
     if result.verdict == "unknown" and after is not None:
-        return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
+        left = f"the best attempt, which is not recommended, leaves {words.number(after)}"
+        validated = f" and {words.number(later)} on the validation record" if later is not None else ""
+        return Reply(question, f"{words.number(before)}, not explained", "; ".join([parts[0], f"{left}{validated}"]), "unsure")
     near = floor is not None and (after if after is not None else before) <= EXPLAINED * floor
     return Reply(question, short, "; ".join(parts), "good" if near else "")
 

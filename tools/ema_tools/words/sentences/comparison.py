@@ -5,6 +5,7 @@ from __future__ import annotations
 from ema_tools.compare.comparison import Comparison, ErrorPart
 from ema_tools.data.machine_state import FOUND
 from ema_tools.tasks.model_error import ModelError
+from ema_tools.words.sentences.sensors import sensor_sentence
 
 # What each balance holds.
 GROUPS = {
@@ -34,8 +35,14 @@ def sentence(found: Comparison, error: ModelError | None = None) -> str:
         return f"{found.record} tells nothing of the machine as it is: {'; '.join(found.unlike)}."
     if error is None:
         return _largest(found)
+    excess = max((balance.excess_percent for balance in found.balances.values() if not balance.reason), default=0.0)
     first = error_sentence(found.record, error)
-    return first if error.explains else f"{first} {_largest(found)}"
+    if error.explains:
+        return first
+    if error.sensor is not None:
+        told = sensor_sentence(error.sensor)
+        return f"{first} {told[:1].upper()}{told[1:]}."
+    return f"{first} {_largest(found) if excess > 0.0 else 'No balance by itself leaves more than sensor noise and method.'}"
 
 
 def _largest(found: Comparison) -> str:

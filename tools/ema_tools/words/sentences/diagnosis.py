@@ -44,18 +44,18 @@ def _said(found: Answer) -> str:
             would = all_coded(found.refuted, " and ")
             return (
                 f"{first}{would} would explain it, but nothing is missing on the record held out, as on a run of the healthy machine, and its error rises: "
-                f"nothing is recommended ({fall})."
+                f"nothing is recommended ({_attempt(found)})."
             )
         if found.refuted:
             last = unexplained.sentence(found.left[0]) if found.left else ""
             told = f"{first}something is there, and {all_coded(found.refuted, ' and ')} would explain it, but not the record held out, whose error rises"
-            return f"{told}: no effect is recommended ({fall}). {last}".strip()
+            return f"{told}: no effect is recommended ({_attempt(found)}). {last}".strip()
         left = 100.0 * found.diagnosis.unexplained
         text = f"something is there that the library does not hold: {left:.0f} % of the excess stays unexplained"
         return f"{first}{text}. {unexplained.sentence(found.left[0]) if found.left else ''}".strip()
     named = " and ".join(_words(one) for one in found.effects)
-    others = [other for one in found.effects for other in one.alike[1:]]
-    alike = f", which looks like {all_coded(others)}" if others else ""
+    others = rivals(found)
+    alike = f" or {all_coded(others, ' or ')} (equally well on this record)" if others else ""
     faults = f"; beside it {faults}" if faults else ""
     apart = _unit_words(found)
     faults += f"; {apart}" if apart else ""
@@ -66,6 +66,17 @@ def _said(found: Answer) -> str:
         else ""
     )
     return f"{first}missing is {named}{alike}{faults}{refuted} ({fall}{_left(found)})."
+
+
+def _attempt(found: Answer) -> str:
+    """The errors of an attempt that is not recommended: no fall, since it does not hold."""
+    errors = found.errors
+    held = (
+        f"; with it the error of the record held out rises from {errors.holdout_before:.3g} to {errors.holdout_after:.3g}"
+        if errors.holdout_before is not None and errors.holdout_after is not None
+        else ""
+    )
+    return f"weighted error {errors.before:.3g}, floor {errors.floor:.3g}{held}"
 
 
 def _left(found: Answer) -> str:
@@ -94,6 +105,12 @@ def _unit_words(found: Answer) -> str:
         # what is missing besides would make such values, too
         return ""
     return f"the record shows {' and '.join(shifts)} off the data sheet, more than units are: wear, unless it was always so, which healthy records would tell"
+
+
+def rivals(found: Answer) -> tuple[str, ...]:
+    """Causes that explain the record as well as the accepted effects."""
+    named = {one.name for one in found.effects}
+    return tuple(dict.fromkeys(other for one in found.effects for other in one.alike if other not in named))
 
 
 def next_step(found: Answer) -> str:
