@@ -124,8 +124,8 @@
     misfit = EmaFit.misfitOf(desk, { ...setting(), rodAlone });
     zeros = new Float64Array(misfit.additive.length);
   }
-  // One job in the worker; `told` hears of its progress. Resolves with null where it was stopped.
-  function beside(job, told) {
+  // One job in the worker, whose progress goes to `report`. Resolves with null where it was stopped.
+  function inWorker(job, report) {
     asked += 1;
     const id = asked;
     return new Promise((resolve, reject) => {
@@ -134,7 +134,7 @@
         if (heard.id !== id) return;
         if (heard.refused) reject(Object.assign(new Error(refusal(heard)), heard));
         else if (heard.found) resolve(heard.found);
-        else told(heard);
+        else report(heard);
       };
       worker.onerror = () => reject(new Error("the worker ended: reload the page"));
       worker.postMessage({ id, rodAlone, values, ...job });
@@ -152,8 +152,8 @@
   let shown = null;
   function compute(settle = false) {
     const simulated = misfit.simulate(values);
-    const left = misfit.residual(values, simulated);
-    if (settle) zeros = misfit.bestZeros(left);
+    const weightedResidual = misfit.residual(values, simulated);
+    if (settle) zeros = misfit.bestZeros(weightedResidual);
     const signals = {};
     for (const name of CHANNELS.filter((one) => record[one])) {
       const residual = record[name].map((value, row) => value - simulated[name][row]);
@@ -161,7 +161,7 @@
       const whole = norm(record[name]);
       signals[name] = { measured: record[name], simulated: simulated[name], residual, rms: norm(residual) / Math.sqrt(residual.length), percent: whole > 0 ? (100 * norm(residual)) / whole : null };
     }
-    shown = { error: misfit.error(misfit.cost(values, left, zeros)), signals };
+    shown = { error: misfit.error(misfit.cost(values, weightedResidual, zeros)), signals };
   }
   function draw(mark = null) {
     for (const [name, { canvas, title }] of Object.entries(plots)) {
@@ -326,8 +326,8 @@
   // An effect as a fit takes it: what is not ticked stays as it is.
   function ofFit(effect) {
     const starts = Object.fromEntries(Object.entries(effect.starts).filter(([field]) => effect.rows.some((row) => row.field === field && inputs[row.name].tick.checked)));
-    const own = effect.rows.map((row) => (inputs[row.name].tick.checked ? row : { ...row, whole: true, on: values[row.id] }));
-    return { ...effect, rows: own, starts };
+    const effectRows = effect.rows.map((row) => (inputs[row.name].tick.checked ? row : { ...row, whole: true, on: values[row.id] }));
+    return { ...effect, rows: effectRows, starts };
   }
   const fallen = [];
   function drawFall() {
@@ -365,7 +365,7 @@
     const before = shown.error;
     const began = performance.now();
     try {
-      const found = await beside({ kind: "fit", rows: fitted, effects: sought }, (heard) => {
+      const found = await inWorker({ kind: "fit", rows: fitted, effects: sought }, (heard) => {
         best = heard;
         fallen.push([heard.runs, heard.error]);
         requestAnimationFrame(drawFall);
@@ -394,7 +394,7 @@
     busy(true);
     rankPart.hidden = false;
     try {
-      const found = await beside({ kind: "rank", rows: rowsOfAll, effects: candidates }, (heard) => {
+      const found = await inWorker({ kind: "rank", rows: rowsOfAll, effects: candidates }, (heard) => {
         ranked = heard.ranked;
         const place = candidates.findIndex((effect) => effect.name === heard.next);
         say(`Ranking ${place + 1} of ${candidates.length}: ${candidates[place].title}`);

@@ -142,8 +142,8 @@ const EmaFit = (() => {
     }
   }
 
-  // What the model leaves of a record. `weighed`: of a diagnosis, with the values that may move within a prior (`spread`) and signals that may be in the record (`zeros` and `gains` of sensors,
-  // effects of which every machine has a little).
+  // Weighted residual and cost of models on one record. `weighed` is a diagnosis': values with a prior (`spread`), and signals that the record may hold (`zeros` and `gains` of sensors, `slight` effects
+  // of the model `unit`).
   class Misfit {
     constructor(desk, model, startMm, whitener, weighed = null) {
       Object.assign(this, { desk, options: model.options, given: Float64Array.from(model.values), startMm, whitener, runs: 0 });
@@ -169,8 +169,8 @@ const EmaFit = (() => {
       for (const changes of slight) {
         const before = changes.map(([id]) => [id, values[id]]);
         put(changes);
-        const there = this.simulate(values);
-        this.additive.push(this.whitener.whiten(Object.fromEntries(names.map((name) => [name, minus(there[name], base[name])]))));
+        const trial = this.simulate(values);
+        this.additive.push(this.whitener.whiten(Object.fromEntries(names.map((name) => [name, minus(trial[name], base[name])]))));
         put(before);
       }
     }
@@ -192,7 +192,7 @@ const EmaFit = (() => {
     }
 
     // The residual with the zeros of the sensors taken off.
-    left(residual, zeros) {
+    corrected(residual, zeros) {
       const found = Float64Array.from(residual);
       zeros.forEach((at, j) => {
         const signal = this.additive[j];
@@ -206,8 +206,8 @@ const EmaFit = (() => {
     }
 
     cost(values, residual, zeros) {
-      const left = this.left(residual, zeros);
-      return dot(left, left) + dot(zeros, zeros) + this.prior(values);
+      const rest = this.corrected(residual, zeros);
+      return dot(rest, rest) + dot(zeros, zeros) + this.prior(values);
     }
 
     error(cost) {
@@ -243,11 +243,11 @@ const EmaFit = (() => {
     return found;
   }
 
-  function slope(misfit, unknown, values, here) {
+  function slope(misfit, unknown, values, residual) {
     const value = values[unknown.ids[0]];
     const scale = unknown.scale || Math.abs(value) || 0.1 * (unknown.upper - unknown.lower);
     const widths = unknown.spread ? [value ? SPREAD_STEP[0] * Math.abs(value) : SPREAD_STEP[1] * unknown.std] : STEPS.map((step) => step * scale);
-    let column = new Float64Array(here.length);
+    let column = new Float64Array(residual.length);
     for (const width of widths) {
       const up = value + width <= unknown.upper;
       const to = up ? value + width : Math.max(value - width, unknown.lower);
@@ -256,7 +256,7 @@ const EmaFit = (() => {
       put(unknown, moved, to);
       let change;
       try {
-        change = minus(here, misfit.residual(moved));
+        change = minus(residual, misfit.residual(moved));
       } catch {
         break; // the model refuses the values
       }
@@ -277,15 +277,15 @@ const EmaFit = (() => {
     return { columns, square };
   }
 
-  // Fits `free` from `start` (values of the model). `columns`: slopes that are known already. `told(cost, values, zeros)` hears of every better point.
-  function leastSquares(misfit, free, start, { columns = [], refreshed = REFRESHED, known = null, told = () => {} } = {}) {
+  // Fits `free` from `start` (values of the model). `columns`: known slopes; `known`: their products. `report(cost, values, zeros)` is called at every better point.
+  function leastSquares(misfit, free, start, { columns = [], refreshed = REFRESHED, known = null, report = () => {} } = {}) {
     let values = Float64Array.from(start);
     let residual = misfit.residual(values);
     let zeros = misfit.bestZeros(residual);
     let cost = misfit.cost(values, residual, zeros);
     const slopes = free.map((_, k) => columns[k]);
     let fresh = columns.length === 0; // whether all slopes were taken at this very point
-    let left = refreshed;
+    let refreshes = refreshed;
     let products = known;
     for (let round = 0; round < ROUNDS; round += 1) {
       free.forEach((unknown, k) => {
@@ -296,12 +296,12 @@ const EmaFit = (() => {
       const last = fresh;
       if (step) {
         ({ values, residual, zeros, cost } = step);
-        told(cost, values, zeros);
+        report(cost, values, zeros);
         fresh = false;
       }
       if (gain > DONE * cost) continue;
-      if (last || left === 0) break;
-      left -= 1;
+      if (last || refreshes === 0) break;
+      refreshes -= 1;
       fresh = true;
       free.forEach((unknown, k) => { if (unknown.spread) slopes[k] = null; });
     }
@@ -310,13 +310,13 @@ const EmaFit = (() => {
 
     // The first damped step that lowers the cost.
     function attempt() {
-      const left = misfit.left(residual, zeros);
+      const rest = misfit.corrected(residual, zeros);
       const all = [...slopes, ...misfit.additive];
       const count = free.length;
       products = gram(all, products);
       const scale = all.map((_, k) => Math.sqrt(products.square[k][k]) || 1);
       const square = products.square.map((row, j) => row.map((one, k) => one / (scale[j] * scale[k])));
-      const down = all.map((column, k) => dot(column, left) / scale[k]);
+      const down = all.map((column, k) => dot(column, rest) / scale[k]);
       all.forEach((_, k) => {
         const std = k < count ? free[k].std : 1;
         const at = k < count ? (std < Infinity ? deviation(free[k], values) : 0) : zeros[k - count];
@@ -325,19 +325,19 @@ const EmaFit = (() => {
       });
       for (const damping of DAMPED) {
         const damped = square.map((row, k) => row.map((one, j) => (j === k ? one * (1 + damping) + 1e-12 : one)));
-        const there = Float64Array.from(values);
+        const trial = Float64Array.from(values);
         const held = new Set();
         for (let pass = 0; pass <= count; pass += 1) {
-          // a value at its bound stays there, and the others answer
+          // a value that reaches its bound is held, and the others are solved again
           const at = all.map((_, k) => k).filter((k) => !held.has(k));
-          const step = solved(at.map((k) => at.map((j) => damped[k][j])), at.map((k) => down[k] - [...held].reduce((sum, j) => sum + damped[k][j] * (there[free[j].ids[0]] - values[free[j].ids[0]]) * scale[j], 0)));
+          const step = solved(at.map((k) => at.map((j) => damped[k][j])), at.map((k) => down[k] - [...held].reduce((sum, j) => sum + damped[k][j] * (trial[free[j].ids[0]] - values[free[j].ids[0]]) * scale[j], 0)));
           if (!step) break;
           let out = false;
           at.forEach((k, place) => {
             if (k >= count) return;
             const wanted = values[free[k].ids[0]] + step[place] / scale[k];
             const kept = Math.min(Math.max(wanted, free[k].lower), free[k].upper);
-            put(free[k], there, kept);
+            put(free[k], trial, kept);
             if (kept !== wanted) {
               held.add(k);
               out = true;
@@ -346,10 +346,10 @@ const EmaFit = (() => {
           if (!out) break;
         }
         try {
-          const after = misfit.residual(there);
+          const after = misfit.residual(trial);
           const its = misfit.bestZeros(after);
-          const costs = misfit.cost(there, after, its);
-          if (costs < cost) return { values: there, residual: after, zeros: its, cost: costs };
+          const costs = misfit.cost(trial, after, its);
+          if (costs < cost) return { values: trial, residual: after, zeros: its, cost: costs };
         } catch {
           // the model refuses the values: a smaller step
         }
@@ -361,12 +361,12 @@ const EmaFit = (() => {
   // Every combination of the values of `starts` ({field: [..]}).
   const combined = (starts) => Object.entries(starts).reduce((list, [field, values]) => list.flatMap((one) => values.map((value) => ({ ...one, [field]: value }))), [{}]);
 
-  // The best first values of an effect beside what `base` fits: each start is seen once, two for a phase, and its size follows from what the residual asks for.
+  // The best first values of an effect, given what `base` fits: each start is simulated once (a phase: twice), and its size is scaled to lower the cost most.
   function screened(misfit, base, effect) {
     const [size] = effect.rows;
     const phase = effect.rows.find((row) => !row.whole && row.field.endsWith("phase_rad"));
     const all = [...base.slopes, ...misfit.additive];
-    const left = misfit.left(base.residual, base.zeros);
+    const rest = misfit.corrected(base.residual, base.zeros);
     const stds = [...base.free.map((one) => one.std), ...misfit.additive.map(() => 1)];
     const square = gram(all, base.products).square.map((row, j) => row.map((one, k) => one * (j === k ? 1 + 1e-12 : 1) + (j === k ? 1 / stds[j] ** 2 : 0)));
     const seen = (changes) => {
@@ -375,36 +375,37 @@ const EmaFit = (() => {
       const vector = minus(base.residual, misfit.residual(values));
       return { vector, shared: all.map((one) => dot(one, vector)) };
     };
+    const oneSided = !(size.bounds[0] < size.zero);
     const product = (one, other, by = solved(square, other.shared)) => dot(one.vector, other.vector) - (by ? dot(one.shared, by) : 0);
     const found = [];
     for (const start of combined(effect.starts)) {
       try {
-        const own = { ...start };
-        const first = own[size.field] ?? size.on;
+        const changes = { ...start };
+        const first = changes[size.field] ?? size.on;
         let share;
         let gain;
         if (phase) {
-          const [one, other] = [0, Math.PI / 2].map((at) => seen({ ...own, [phase.field]: at }));
-          const by = solved([[product(one, one), product(one, other)], [product(one, other), product(other, other)]], [dot(one.vector, left), dot(other.vector, left)]);
+          const [one, other] = [0, Math.PI / 2].map((at) => seen({ ...changes, [phase.field]: at }));
+          const by = solved([[product(one, one), product(one, other)], [product(one, other), product(other, other)]], [dot(one.vector, rest), dot(other.vector, rest)]);
           if (!by) continue;
           share = Math.hypot(by[0], by[1]);
-          own[phase.field] = Math.atan2(by[1], by[0]);
-          gain = by[0] * dot(one.vector, left) + by[1] * dot(other.vector, left);
+          changes[phase.field] = Math.atan2(by[1], by[0]);
+          gain = by[0] * dot(one.vector, rest) + by[1] * dot(other.vector, rest);
         } else {
-          const one = seen(own);
-          const along = dot(one.vector, left);
+          const one = seen(changes);
+          const along = dot(one.vector, rest);
           const length = product(one, one);
           if (!(length > 0)) continue;
           share = along / length;
           gain = along * share;
-          if (share < 0 && !(size.bounds[0] < size.zero)) gain = -gain;
+          if (share < 0 && oneSided) gain = -gain;
         }
         if (!(size.field in start)) {
           const factor = Math.sign(share || 1) * Math.min(Math.max(Math.abs(share), FACTORS[0]), FACTORS[1]);
-          own[size.field] = size.zero + (first - size.zero) * (share < 0 && !(size.bounds[0] < size.zero) ? 0.1 : factor);
+          changes[size.field] = size.zero + (first - size.zero) * (share < 0 && oneSided ? 0.1 : factor);
         }
         const values = Float64Array.from(base.values);
-        for (const row of effect.rows) values[row.id] = Math.min(Math.max(own[row.field] ?? row.on, row.bounds[0]), row.bounds[1]);
+        for (const row of effect.rows) values[row.id] = Math.min(Math.max(changes[row.field] ?? row.on, row.bounds[0]), row.bounds[1]);
         found.push({ values, gain });
       } catch {
         // the model refuses this start
@@ -413,41 +414,41 @@ const EmaFit = (() => {
     return found.sort((a, b) => b.gain - a.gain).slice(0, TRIED);
   }
 
-  // The model as it stands with `rows` free, and the values with a prior: where every effect is looked for from.
-  function based(misfit, rows, values, told = () => {}) {
+  // The fit of `rows` and of the values with a prior, without any further effect.
+  function based(misfit, rows, values, report = () => {}) {
     const free = unknowns(misfit, rows);
-    const found = leastSquares(misfit, free, values, { told });
+    const found = leastSquares(misfit, free, values, { report });
     return { free, ...found, products: gram([...found.slopes, ...misfit.additive], found.products) };
   }
 
-  // One effect, all of its values free, beside what `base` fits. null where the model refuses every start.
-  function withEffect(misfit, base, effect, told = () => {}) {
+  // One effect with all of its values free, jointly with what `base` fits. null where the model refuses every start.
+  function withEffect(misfit, base, effect, report = () => {}) {
     const rows = effect.rows.filter((row) => !row.whole);
     const free = [...base.free, ...unknowns({ spread: [] }, rows)];
     let best = null;
     for (const { values } of screened(misfit, base, effect)) {
       try {
-        const found = leastSquares(misfit, free, values, { columns: base.slopes, known: base.products, refreshed: 0, told });
+        const found = leastSquares(misfit, free, values, { columns: base.slopes, known: base.products, refreshed: 0, report });
         if (!best || found.cost < best.cost) best = found;
       } catch {
         // the model refuses this start
       }
     }
     if (!best) return null;
-    const end = leastSquares(misfit, free, best.values, { columns: base.slopes, known: base.products, told });
+    const end = leastSquares(misfit, free, best.values, { columns: base.slopes, known: base.products, report });
     const edge = rows.filter((row) => end.values[row.id] !== row.zero && row.bounds.includes(end.values[row.id])).map((row) => row.name);
     return { name: effect.name, values: Array.from(end.values), zeros: Array.from(end.zeros), cost: end.cost, error: misfit.error(end.cost), count: rows.length, edge };
   }
 
   // The ticked `rows` and the values with a prior, from `values`. Each of `effects`, of which all that is ticked is free, is sought from its other starts, too.
-  function fitted(misfit, rows, effects, values, told) {
+  function fitted(misfit, rows, effects, values, report) {
     const plain = rows.filter((row) => !row.whole);
-    let best = leastSquares(misfit, unknowns(misfit, plain), values, { told });
+    let best = leastSquares(misfit, unknowns(misfit, plain), values, { report });
     for (const effect of effects) {
-      const own = new Set(effect.rows.map((row) => row.id));
+      const ids = new Set(effect.rows.map((row) => row.id));
       const without = Float64Array.from(best.values);
       without[effect.rows[0].id] = effect.rows[0].zero;
-      const found = withEffect(misfit, based(misfit, plain.filter((row) => !own.has(row.id)), without), effect, (cost, ...at) => cost < best.cost && told(cost, ...at));
+      const found = withEffect(misfit, based(misfit, plain.filter((row) => !ids.has(row.id)), without), effect, (cost, ...at) => cost < best.cost && report(cost, ...at));
       if (found && found.cost < best.cost) best = found;
     }
     return { values: Array.from(best.values), zeros: Array.from(best.zeros), error: misfit.error(best.cost) };
