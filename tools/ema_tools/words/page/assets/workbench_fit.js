@@ -5,11 +5,10 @@ const EmaFit = (() => {
   const STEPS = [0.05, 0.2, 0.6]; // shares of a value's scale over which a slope is taken [precision]
   const ROUGH = 144; // squared change below which a difference may be the model's own roughness [precision]
   const SPREAD_STEP = [0.01, 0.1]; // the same of a value with a prior: of the value, or of its standard deviation where that is zero [precision]
-  const ROUNDS = 40; // steps of one fit at most [effort]
+  const RUNS = 120; // model runs of one fit, after which it ends [effort]
   const DONE = 1e-4; // share of the cost: a step that lowers it by less was the last by its slopes [precision]
   const REFRESHED = 4; // times that all slopes are taken again [effort]
   const DAMPED = [1e-6, 1e-3, 1e-1, 1, 10, 100]; // shares of the curvature added to it, until a step lowers the cost [judgement]
-  const TRIED = 2; // best starts that are fitted [effort]
   const FACTORS = [1e-2, 1e2]; // by which a first size is scaled [judgement]
   const SAME_DIGITS = 4; // errors equal to so many digits, as they are shown, are equal: fewer values come first
 
@@ -287,20 +286,20 @@ const EmaFit = (() => {
     let fresh = columns.length === 0; // whether all slopes were taken at this very point
     let refreshes = refreshed;
     let products = known;
-    for (let round = 0; round < ROUNDS; round += 1) {
+    for (const last = misfit.runs + RUNS; misfit.runs < last; ) {
       free.forEach((unknown, k) => {
         if (!slopes[k] || !unknown.spread) slopes[k] = slope(misfit, unknown, values, residual);
       });
       const step = attempt();
       const gain = step ? cost - step.cost : 0;
-      const last = fresh;
+      const allFresh = fresh;
       if (step) {
         ({ values, residual, zeros, cost } = step);
         report(cost, values, zeros);
         fresh = false;
       }
       if (gain > DONE * cost) continue;
-      if (last || refreshes === 0) break;
+      if (allFresh || refreshes === 0) break;
       refreshes -= 1;
       fresh = true;
       free.forEach((unknown, k) => { if (unknown.spread) slopes[k] = null; });
@@ -361,18 +360,19 @@ const EmaFit = (() => {
   // Every combination of the values of `starts` ({field: [..]}).
   const combined = (starts) => Object.entries(starts).reduce((list, [field, values]) => list.flatMap((one) => values.map((value) => ({ ...one, [field]: value }))), [{}]);
 
-  // The best first values of an effect, given what `base` fits: each start is simulated once (a phase: twice), and its size is scaled to lower the cost most.
-  function screened(misfit, base, effect) {
+  // The `count` best first values of an effect from `values` of the model, jointly with what `base` fits: each start is simulated once (a phase: twice), and its size is scaled to lower the cost most.
+  function screened(misfit, base, effect, from, count) {
     const [size] = effect.rows;
     const phase = effect.rows.find((row) => !row.whole && row.field.endsWith("phase_rad"));
     const all = [...base.slopes, ...misfit.additive];
-    const rest = misfit.corrected(base.residual, base.zeros);
+    const before = misfit.residual(from);
+    const rest = { vector: before, shared: all.map((one) => dot(one, before)) };
     const stds = [...base.free.map((one) => one.std), ...misfit.additive.map(() => 1)];
     const square = gram(all, base.products).square.map((row, j) => row.map((one, k) => one * (j === k ? 1 + 1e-12 : 1) + (j === k ? 1 / stds[j] ** 2 : 0)));
     const seen = (changes) => {
-      const values = Float64Array.from(base.values);
+      const values = Float64Array.from(from);
       for (const row of effect.rows) values[row.id] = changes[row.field] ?? row.on;
-      const vector = minus(base.residual, misfit.residual(values));
+      const vector = minus(before, misfit.residual(values));
       return { vector, shared: all.map((one) => dot(one, vector)) };
     };
     const oneSided = !(size.bounds[0] < size.zero);
@@ -386,14 +386,14 @@ const EmaFit = (() => {
         let gain;
         if (phase) {
           const [one, other] = [0, Math.PI / 2].map((at) => seen({ ...changes, [phase.field]: at }));
-          const by = solved([[product(one, one), product(one, other)], [product(one, other), product(other, other)]], [dot(one.vector, rest), dot(other.vector, rest)]);
+          const by = solved([[product(one, one), product(one, other)], [product(one, other), product(other, other)]], [product(one, rest), product(other, rest)]);
           if (!by) continue;
           share = Math.hypot(by[0], by[1]);
           changes[phase.field] = Math.atan2(by[1], by[0]);
-          gain = by[0] * dot(one.vector, rest) + by[1] * dot(other.vector, rest);
+          gain = by[0] * product(one, rest) + by[1] * product(other, rest);
         } else {
           const one = seen(changes);
-          const along = dot(one.vector, rest);
+          const along = product(one, rest);
           const length = product(one, one);
           if (!(length > 0)) continue;
           share = along / length;
@@ -404,21 +404,21 @@ const EmaFit = (() => {
           const factor = Math.sign(share || 1) * Math.min(Math.max(Math.abs(share), FACTORS[0]), FACTORS[1]);
           changes[size.field] = size.zero + (first - size.zero) * (share < 0 && oneSided ? 0.1 : factor);
         }
-        const values = Float64Array.from(base.values);
+        const values = Float64Array.from(from);
         for (const row of effect.rows) values[row.id] = Math.min(Math.max(changes[row.field] ?? row.on, row.bounds[0]), row.bounds[1]);
         found.push({ values, gain });
       } catch {
         // the model refuses this start
       }
     }
-    return found.sort((a, b) => b.gain - a.gain).slice(0, TRIED);
+    return found.sort((a, b) => b.gain - a.gain).slice(0, count);
   }
 
   // The fit of `rows` and of the values with a prior, without any further effect.
   function based(misfit, rows, values, report = () => {}) {
     const free = unknowns(misfit, rows);
     const found = leastSquares(misfit, free, values, { report });
-    return { free, ...found, products: gram([...found.slopes, ...misfit.additive], found.products) };
+    return { free, first: values, ...found, products: gram([...found.slopes, ...misfit.additive], found.products) };
   }
 
   // One effect with all of its values free, jointly with what `base` fits. null where the model refuses every start.
@@ -426,7 +426,9 @@ const EmaFit = (() => {
     const rows = effect.rows.filter((row) => !row.whole);
     const free = [...base.free, ...unknowns({ spread: [] }, rows)];
     let best = null;
-    for (const { values } of screened(misfit, base, effect)) {
+    // from the fitted model, and from the one before it: without the effect, the others may have run away
+    const starts = [...screened(misfit, base, effect, base.values, 2), ...screened(misfit, base, effect, base.first, 1)];
+    for (const { values } of starts) {
       try {
         const found = leastSquares(misfit, free, values, { columns: base.slopes, known: base.products, refreshed: 0, report });
         if (!best || found.cost < best.cost) best = found;
