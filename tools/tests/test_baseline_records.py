@@ -120,6 +120,14 @@ def test_baseline_and_findings_are_read_as_they_were_written(tmp_path: Path) -> 
     assert len(with_state(effect, again, records, (), worn, today, "add").findings) == 1
 
 
+def test_an_effect_that_is_set_by_hand_loses_nothing_of_the_file(tmp_path: Path) -> None:
+    unit = copied(tmp_path / "unit", *RUNS)
+    assert run_ema("add", unit, "winding_heating", "--set", "rise_degC=30", "-o", tmp_path / "hot.toml").code == 0
+    hot = read_actuator(tmp_path / "hot.toml")
+    assert [Path(file).resolve() for file in hot.healthy] == [(tmp_path / "unit" / name).resolve() for name in RUNS]
+    assert hot.baseline is not None and hot.baseline.without is None
+
+
 def test_a_baseline_record_that_has_changed_is_named(tmp_path: Path) -> None:
     unit = copied(tmp_path / "unit", *RUNS, "worn.csv")
     shutil.copy(UNIT / RUNS[0], tmp_path / "unit" / RUNS[1])

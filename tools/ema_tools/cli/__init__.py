@@ -261,7 +261,7 @@ def calibrate(
     if own is not None:
         found = of_own_machine(found, own, measured)
     unit = found.actuator.changed({}, {"source": said})
-    replace(unit, baseline=Baseline.of(measured) if own is not None else None).write(out, force)
+    replace(unit, baseline=Baseline.of(measured) if own is not None else None, findings=model.findings).write(out, force)
     result = with_next(replace(calibration(found, out, origin, own), method_reason=way.because))
     save(json_path, result, force)
     show.calibration(output(), result)
@@ -458,7 +458,7 @@ def diagnose(
     from ema_tools.data.records import Record, simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.select.fixes import fixes_of
-    from ema_tools.tasks.baseline_records import given_or_own, with_state
+    from ema_tools.tasks.baseline_records import carried, given_or_own, with_state
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
     from ema_tools.tasks.workbench import bench
@@ -495,11 +495,11 @@ def diagnose(
     _page(page, result, force)
     kept = fitted if found.recommended else None
     if kept:
-        machine = found.machine
+        machine = carried(found.machine, model)
         if isinstance(found, Answer):
             began = [one.name for one in found.effects]
             repeats = [one for one in references if isinstance(one, Record)] if found.evidence.relative else []
-            machine = with_state(machine, model, repeats, began, found.record, found.fitted, "diagnose")
+            machine = with_state(found.machine, model, repeats, began, found.record, found.fitted, "diagnose")
         machine.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
@@ -595,7 +595,7 @@ def add(
     from ema_tools.tasks.add import add as work
     from ema_tools.tasks.add import add_to_known, add_together
     from ema_tools.tasks.add_by_balance import add_by_balance
-    from ema_tools.tasks.baseline_records import given_or_own, with_state
+    from ema_tools.tasks.baseline_records import carried, given_or_own, with_state
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.method import check_fixes, chosen
     from ema_tools.tasks.model_error import model_error
@@ -624,7 +624,7 @@ def add(
         made = with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings))
         if effect not in made.active_effects:
             raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
-        made.write(out, force)
+        carried(made, model).write(out, force)
         told = setting(made, effect, model, out, provenance(command_line(), actuator=model.name))
         save(json_path, told, force)
         if told.replaced:
@@ -662,7 +662,7 @@ def add(
         with progress("adding", 100) as bar:
             by_balance = add_by_balance(model, effect, records, () if other is None else (other,), fixes, tell)
         said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {_few([one.file for one in records])}")))
-        by_balance.actuator.changed({}, {"source": said}).write(out, force)
+        carried(by_balance.actuator.changed({}, {"source": said}), model).write(out, force)
         origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records))
         told = with_next(addition_by_balance(by_balance, out, origin, way.because))
         save(json_path, told, force)

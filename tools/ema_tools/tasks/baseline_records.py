@@ -54,6 +54,12 @@ def why_not_used(actuator: Actuator, record: Record) -> str:
     )
 
 
+def carried(machine: Actuator, given: Actuator) -> Actuator:
+    """`machine`, which a command made of `given`, with the findings of `given` and its baseline, as one to which this model is not fitted."""
+    baseline = replace(given.baseline, without=None) if given.baseline is not None else None
+    return replace(machine, baseline=baseline, findings=given.findings)
+
+
 def with_state(
     machine: Actuator, given: Actuator, records: Sequence[Record], began: Sequence[str], record: Record, today: Actuator, command: str
 ) -> Actuator:
@@ -63,7 +69,7 @@ def with_state(
     of `record`. Without `records` the baseline of `given` stays, and counts as one to which this model is not fitted.
     """
     earlier = given.baseline
-    baseline = replace(earlier, without=None) if earlier is not None else None
+    baseline = carried(machine, given).baseline
     if records:
         known = earlier.without or () if earlier is not None and earlier.covers(records) else ()
         active = machine.active_effects

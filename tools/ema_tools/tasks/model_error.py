@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, raw_cost, settled
+from ema_tools.fit.evidence import Evidence, raw_cost, settled
 from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import polished, refit
 from ema_tools.library.faults import FAULTS
@@ -74,6 +74,6 @@ def _with_faults(evidence: Evidence) -> tuple[Mapping[str, float], float]:
 
 
 def _of_unit(evidence: Evidence) -> tuple[Mapping[str, float], float]:
-    """The unit's own parameters, CSJ and BLK among them, as far from the data sheet as the record asks, and the cost."""
-    view = settled(evidence, {}, rounds=FAR_ROUNDS, reach=FAR)
+    """The unit's own parameters, CSJ and BLK among them, as far from the data sheet as is credible, and the cost."""
+    view = settled(evidence, {})
     return moved(evidence.actuator, evidence.spread, view.deviations), view.cost

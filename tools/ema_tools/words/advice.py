@@ -237,7 +237,9 @@ def after_identification(found: IdentificationResult) -> Advice:
     unusable = next((reason for reason in found.reasons if reason.startswith(UNUSABLE)), "")
     if unusable:
         return Advice("Record again", unusable, "unsure")
-    if effect is not None and effect.name is not None:
+    # with its own values free the model explains the record: a diagnosis would find nothing missing
+    explained = found.error is not None and bool(found.error.explained)
+    if effect is not None and effect.name is not None and not (explained and found.baseline is None):
         if objection == "rival":
             told = f"this record does not tell {within(effect.name)} from a fault"
             return Advice("Record what tells them apart", told, "unsure", _ema("next", line.actuator, "--between", "csj", effect.name))
@@ -249,8 +251,6 @@ def after_identification(found: IdentificationResult) -> Advice:
     if objection == "signals":
         again = _ema("identify", line.actuator, "NEXT.csv", more=healthy)
         return Advice("Check the sensors and record again", "the rod position and the other signals contradict each other", "unsure", again)
-    # with its own values free the model explains the record: a diagnosis would find nothing missing
-    explained = found.error is not None and bool(found.error.explained)
     if (objection == "unknown" or (guard is None and not found.adequate)) and not explained:
         return Advice("Ask what is missing", "it looks at every signal", "", diagnose)
     if objection in ("open", "healthy") or explained:
