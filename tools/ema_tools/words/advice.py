@@ -14,7 +14,8 @@ from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
 from ema_tools.words.page.results import shown
 from ema_tools.words.page.several_page import own_answers
-from ema_tools.words.page.sheet import Reply
+from ema_tools.words.page.sheet import Reply, line_of
+from ema_tools.words.sentences.paths import with_paths
 
 _Advised = Addition | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult | MapResult
 _Stored = Addition | CalibrationResult | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult
@@ -39,7 +40,16 @@ def sentence(reply: Reply) -> str:
 
 
 def with_next(found: Found) -> Found:
-    """The result with the argument lists of the advised commands; none where a record must be made first."""
-    arguments = tuple(shlex.split(reply_to(found).command))
+    """The result with the argument lists of the advised commands, none where a record must be made first; of a diagnosis the sentences name the same command."""
+    reply = reply_to(found)
+    arguments = tuple(shlex.split(reply.command))
     runs = bool(arguments) and not _TO_BE_MADE & set(arguments)
+    if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult):
+        line = line_of(found.provenance.get("command", ""))
+        told = (
+            with_paths(found.sentence, line.actuator, line.records, line.options.get("--healthy", ()))
+            if line is not None
+            else found.sentence
+        )
+        found = replace(found, sentence=told, next_experiment=sentence(reply) if reply.command else found.next_experiment)
     return replace(found, next=(arguments,) if runs else ())

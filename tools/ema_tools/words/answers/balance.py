@@ -58,6 +58,7 @@ def diagnosis_by_balance(
         holdout=tuple(record.file for record in found.holdout),
         mode=_MODES[way.division.by] if found.healthy is None else "against healthy records",
         effects=(*(_accepted(way, step) for step in found.accepted), *(_refused(one) for one in way.refused if one.effect not in kept)),
+        rivals=tuple(dict.fromkeys(called(name) for step in found.accepted for name in step.alike)),
         faults={fault: entry for fault, name in FAULTS.items() for entry in _fault(found, name, fault)},
         standing=_standing(found),
         healthy=None if found.healthy is None else _healthy(found, found.healthy),

@@ -5,24 +5,26 @@ from __future__ import annotations
 import math
 import re
 import shlex
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from ema_tools.library.faults import FAULTS
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BlockEntry
-from ema_tools.results.parts import EffectEntry
+from ema_tools.results.parts import EffectEntry, together
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, new_model, read_sizes
 from ema_tools.words.sentences.balance import MOSTLY
-from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES
+from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES, separable, unexplained_by
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
 _WORSE = 1.05  # times an error, from which on it is told as worse [layout]
+NOT_ACCEPTED = " (not accepted)"
 NEAR = 1.1  # an error this close to the noise level is at it [judgement]
 
 
@@ -163,12 +165,21 @@ def _sentence(result: Diagnosed) -> str:
             return f"The model does not explain this record: it looks as if the {_suspected(result)} is at fault."
         if _refuted(result):
             return "The model does not hold, but what would explain this record does not hold on the validation record: nothing is recommended."
-        return "The model does not hold. Something is there that the library of effects does not know."
+        candidate = _candidate(result)
+        return f"The model does not hold. {f'{unexplained_by(*candidate)}.' if candidate else 'No effect of the library explains it.'}"
     if changed:
         return f"No effect is missing, but the machine has changed: {names.listed(changed)}."
     if off:
         return f"The model holds with other values than the data sheet's: {names.listed(off)}."
     return "The model holds. Nothing is missing, and nothing has changed." if result.relative else "The model holds: nothing is missing."
+
+
+def _candidate(result: Diagnosed) -> tuple[tuple[str, ...], float, float] | None:
+    """The effects of the best candidate, the error that it leaves and the noise level; None by the balance of forces, or where no noise level is known."""
+    after, floor = result.errors.get("after", result.errors.get("before")), result.errors.get("floor")
+    if result.by_forces or after is None or not floor:
+        return None
+    return (result.steps[-1].effects if result.steps else ()), after, floor
 
 
 def _untellable(result: Diagnosed) -> bool:
@@ -257,11 +268,7 @@ def _missing(result: Diagnosed) -> Reply:
         if _sensor(result):
             return Reply(question, "Nothing of the library", "; ".join([f"the {_suspected(result)} explains it", *nearest]), "unsure")
         share = result.found.unexplained if not isinstance(result.found, Addition) else None
-        told = (
-            f"the best attempt leaves {100.0 * share:.0f} % of what is beyond noise"
-            if share is not None
-            else "no effect of the library explains it"
-        )
+        told = f"{100.0 * share:.0f} % of the excess stays unexplained" if share is not None else "no effect of the library explains it"
         return Reply(question, "Not in the library", "; ".join([told, *nearest]), "bad")
     first = named[0]
     told = ""
@@ -275,7 +282,9 @@ def _missing(result: Diagnosed) -> Reply:
         told += f"; {mostly}"
     told += "".join(f"; {part}" for part in own_form_leaves(result))
     rivals = next_best(result)
-    if rivals is not None and rivals[0].left and rivals[1].left:
+    if not isinstance(result.found, Addition) and result.found.rivals:
+        told += f"; {names.listed(list(map(names.within, result.found.rivals)))} equally well"
+    elif rivals is not None and rivals[0].left and rivals[1].left:
         told += (
             f"; next best, {names.within(rivals[1].entry.name)}, leaves {words.number(rivals[1].left / rivals[0].left, 2)} times its error"
         )
@@ -351,8 +360,17 @@ def _error(result: Diagnosed) -> Reply:
     )
     if before is None:
         return Reply(question, "Not known", "nothing was fitted")
-    short = words.number(before) if after is None else f"{words.number(before)} → {words.number(after)}"
     parts = ["% of the drive's force" if result.by_forces else "times the sensor noise"]
+    if result.verdict == "unknown" and after is not None:
+        # no fall: what lowers the error is not accepted
+        times = f", {words.number(after / floor, 2)} times the noise level" if floor else ""
+        return Reply(
+            question,
+            words.number(before),
+            "; ".join([*parts, f"the best candidate, not accepted, leaves {words.number(after)}{times}"]),
+            "bad",
+        )
+    short = words.number(before) if after is None else f"{words.number(before)} → {words.number(after)}"
     if held is not None:
         fell = words.number(held) if later is None else f"{words.number(held)} → {words.number(later)}"
         parts.append(f"{'held out' if result.by_forces else 'validation record'} {fell}")
@@ -360,8 +378,6 @@ def _error(result: Diagnosed) -> Reply:
         parts.append("no validation record")
     if result.verdict == "adequate" and not faults(result) and result.relative and after is not None and not result.by_forces:
         parts.insert(1, "after: with what differs from day to day")
-    if result.verdict == "unknown" and after is not None:
-        return Reply(question, short, "; ".join([*parts, "the best attempt, which is not recommended"]), "unsure")
     near = floor is not None and (after if after is not None else before) <= NEAR * floor
     return Reply(question, short, "; ".join(parts), "good" if near else "")
 
@@ -387,22 +403,23 @@ def _next(result: Diagnosed) -> Reply:
         return Reply(question, "Record again", wanted, "unsure")
     if result.verdict == "adequate":
         return read_sizes(line)
-    between = re.search(r"ema next .+? --between ([\w ]+?) says", result.next_experiment)
-    if between is not None:
-        told = "this record does not tell " + names.listed([names.within(name) for name in between[1].split()]) + " apart"
+    between = () if isinstance(result.found, Addition) else together(result.found.effects, result.found.rivals)
+    if result.verdict == "missing" and not result.by_forces and separable(between):
+        told = names.listed([names.within(name) for name in between]) + " explain this record equally well"
         return Reply(
             question,
-            "Record what tells them apart",
+            "Record what separates them",
             told,
             "unsure",
-            shlex.join(["ema", "next", line.actuator, "--between", *between[1].split()]),
+            shlex.join(["ema", "next", line.actuator, "--between", *between]),
         )
     if result.verdict == "missing" and accepted(result):
         fitted = line.options.get("--fitted")
         if fitted:
             return Reply(question, "Diagnose with the new model", "", "", shlex.join(["ema", "diagnose", fitted[0], *record, *healthy]))
         effects = [one.name for one in accepted(result)]
-        if "is in the actuator file already" in result.next_experiment:
+        if isinstance(result.found, DiagnosisResult) and effects[0] in result.found.standing:
+            # the healthy records were made without it
             return read_sizes(line)
         if result.by_forces or effects[0].startswith("learned_"):
             del effects[1:]
@@ -413,11 +430,16 @@ def _next(result: Diagnosed) -> Reply:
     if isinstance(found, DiagnosisResult) and found.sensor is not None:
         return Reply(question, "Check the sensor", found.sensor.next, "unsure")
     learned = found.unknown.learned if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult) and found.unknown is not None else None
-    if learned is not None and "ema add" in result.next_experiment:
+    if learned is not None and (not result.next_experiment or "ema add" in result.next_experiment):
         add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", new_model(record[0], [learned.effect])]
         return Reply(question, "Put it in as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
-    told = result.next_experiment.removeprefix("Next: ").replace("look at the pictures (--report), and ", "then ")
-    return Reply(question, "Look at the pictures", told, "unsure")
+    told = result.next_experiment.removeprefix("Next: ")
+    pictures = told.removeprefix("look at the pictures (--report), and ")
+    return (
+        Reply(question, "Record again", told, "unsure")
+        if told == pictures and told
+        else Reply(question, "Look at the pictures", f"then {pictures}" if pictures else "", "unsure")
+    )
 
 
 def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:
@@ -425,8 +447,16 @@ def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:
     if "before" not in result.errors:
         return []
     found = [("as given", result.errors["before"], result.errors.get("holdout_before"))]
-    found += [(step.added or " + ".join(step.effects), *step.read) for step in result.steps]
+    refused = NOT_ACCEPTED if result.verdict == "unknown" else ""
+    found += [(f"{step.added or ' + '.join(step.effects)}{refused if step.effects else ''}", *step.read) for step in result.steps]
     return found
+
+
+def rung_words(name: str, known: Collection[str]) -> str:
+    """What a rung adds: effects and faults by their display names, anything else as it is."""
+    plain = name.removesuffix(NOT_ACCEPTED)
+    parts = re.split(r" and | \+ ", plain)
+    return (names.listed(list(map(names.within, parts))) if all(part in known for part in parts) else plain) + name[len(plain) :]
 
 
 def model_titles(result: Diagnosed, curves: Curves) -> dict[str, str]:
@@ -438,5 +468,5 @@ def model_titles(result: Diagnosed, curves: Curves) -> dict[str, str]:
     elif result.verdict == "adequate":
         titles["after"] = "with today's values"
     elif result.verdict == "unknown":
-        titles["after"] = "best attempt, not recommended"
+        titles["after"] = "best candidate, not accepted"
     return {key: titles.get(key, key) for key in curves.models}
