@@ -94,18 +94,20 @@ def run(trials: Sequence[AJob], folder: Path, workers: int, work: Callable[[AJob
                     finished += 1
                     bar.update(finished)
         elif tasks:
-            _in_processes(tasks, workers, work, lambda: bar.update(len(read_rows(folder)) - len(done)))
+            _in_processes(tasks, workers, work, remember, lambda: bar.update(len(read_rows(folder)) - len(done)))
     keys = {trial.key for trial in trials}
     return [row for row in read_rows(folder) if row["key"] in keys]
 
 
-def _in_processes(tasks: Sequence[tuple[list[AJob], Path]], workers: int, work: Callable[[AJob], Row], look: Callable[[], None]) -> None:
+def _in_processes(
+    tasks: Sequence[tuple[list[AJob], Path]], workers: int, work: Callable[[AJob], Row], remember: bool, look: Callable[[], None]
+) -> None:
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else list(range(workers))
     # numerical libraries read these when a worker loads them
     os.environ |= ONE_THREAD
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_one_core, initargs=(cores,)) as pool:
-        open_tasks: set[Future[int]] = {pool.submit(_work, group, part, work) for group, part in tasks}
+        open_tasks: set[Future[int]] = {pool.submit(_work, group, part, work, remember) for group, part in tasks}
         while open_tasks:
             finished, open_tasks = wait(open_tasks, timeout=_LOOK_S, return_when=FIRST_COMPLETED)
             look()

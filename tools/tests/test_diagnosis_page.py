@@ -18,7 +18,8 @@ from ema_tools.data.records import read_record
 from ema_tools.results.diagnosis import DiagnosisResult
 from ema_tools.results.reading import result_of
 from ema_tools.tasks.workbench import bench
-from ema_tools.words.advice import with_next
+from ema_tools.words.advice import read_sizes, with_next
+from ema_tools.words.command_line import CommandLine, line_of
 from ema_tools.words.page import charts, comparison_page, first_screen, heat, names, sheet, signals, uplot
 from ema_tools.words.page import diagnosis_page as page_of
 from ema_tools.words.page import text as words
@@ -61,7 +62,7 @@ def said(data: dict[str, Any]) -> sheet.FirstScreen:
         (
             "unknown",
             "The model does not hold. No effect of the library explains it: none lowers the error, which is 9.2 times the noise.",
-            ("No", "Mechanics", "Not in the library", "48.0", "Look at the pictures"),
+            ("No", "Mechanics", "Not in the library", "48.0, not explained", "Look at the pictures"),
         ),
     ],
 )
@@ -88,25 +89,25 @@ def test_next_command_has_the_paths_that_were_given() -> None:
         == "ema add mine.toml stribeck_friction --fit today.csv --healthy 'runs/healthy *.csv' --holdout other.csv -o with_stribeck_friction.toml"
     )
     assert said(diagnosis("healthy")).replies[-1].command == "ema identify mine.toml today.csv --healthy 'runs/healthy *.csv'"
-    line = sheet.line_of(COMMAND)
+    line = line_of(COMMAND)
     assert line is not None and line.options["--json"] == ("d.json",)
     # as the shell expands a pattern
-    many = sheet.line_of("ema diagnose a.toml today.csv --healthy h1.csv h2.csv h3.csv --force --json d.json")
+    many = line_of("ema diagnose a.toml today.csv --healthy h1.csv h2.csv h3.csv --force --json d.json")
     assert many is not None and many.records == ("today.csv",) and many.options["--healthy"] == ("h1.csv", "h2.csv", "h3.csv")
     assert many.again("--healthy", "--json") == ["--healthy", "h1.csv", "h2.csv", "h3.csv", "--json", "d.json"]
-    behind = sheet.line_of("ema identify a.toml --healthy h1.csv h2.csv today.csv")
+    behind = line_of("ema identify a.toml --healthy h1.csv h2.csv today.csv")
     assert behind is not None and (behind.actuator, behind.records, behind.options["--healthy"]) == (
         "a.toml",
         ("today.csv",),
         ("h1.csv", "h2.csv"),
     )
-    before = sheet.line_of("ema diagnose --healthy h1.csv h2.csv a.toml today.csv")
+    before = line_of("ema diagnose --healthy h1.csv h2.csv a.toml today.csv")
     assert before is not None and (before.actuator, before.records, before.options["--healthy"]) == (
         "a.toml",
         ("today.csv",),
         ("h1.csv", "h2.csv"),
     )
-    assert sheet.line_of("ema report x.json -o y.html") is None and sheet.line_of("ema 'unclosed") is None
+    assert line_of("ema report x.json -o y.html") is None and line_of("ema 'unclosed") is None
 
 
 def test_where_nothing_is_named_the_nearest_effects_are_and_how_far_off_they_are() -> None:
@@ -128,8 +129,8 @@ def test_where_nothing_is_named_the_nearest_effects_are_and_how_far_off_they_are
 
 def test_what_follows_a_model_that_holds_is_told_alike_on_every_page() -> None:
     read = said(diagnosis("healthy")).replies[-1]
-    other = sheet.read_sizes(sheet.CommandLine("mine.toml", ("today.csv",), {}))
-    assert (read.question, read.short, read.more) == (other.question, other.short, other.more)
+    other = read_sizes("mine.toml", CommandLine("mine.toml", ("today.csv",), {}))
+    assert (read.short, read.more) == (other.short, other.more)
     data = compared_whole()
     explained = {name: {**one, "excess_percent": 0.0} for name, one in data["balances"].items()}
     whole = parse_result({**data, "balances": explained}, "c.json", "c")
@@ -187,7 +188,7 @@ def test_what_is_not_accepted_is_no_fall_of_the_error(tmp_path: Path) -> None:
     steps = [*data["steps"], {"effects": ["spring_load"], "added": "spring_load", "error_training": 6.0, "error_holdout": 19.0}]
     data |= {"steps": steps, "error": {**data["error"], "before": 13.4, "after": 6.0, "holdout_before": 9.0, "holdout_after": 19.0}}
     found = said(data)
-    assert found.replies[3].short == "13.4" and found.replies[3].tone == "bad"
+    assert found.replies[3].short == "13.4, not explained" and found.replies[3].tone == "bad"
     assert "the best candidate, not accepted, leaves 6.00, 6.9 times the noise level" in found.replies[3].more
     assert [name for name, _, _ in first_screen.rungs(parsed(data))][-1] == "spring_load (not accepted)"
     assert "+ spring load (not accepted)" in diagnosis_page(tmp_path, data).read_text(encoding="utf-8")

@@ -113,7 +113,7 @@ def test_next_command_has_the_paths_that_were_given(kind: str, changes: dict[str
     ("objection", "why", "short"),
     [
         ("unknown", "the library of effects does not know", "Ask what is missing"),
-        ("signals", "the other signals say otherwise", "Ask what is missing"),
+        ("signals", "the other signals say otherwise", "Check the sensors and record again"),
         ("open", "differs from day to day", "Record more healthy runs"),
         ("healthy", "may not all be of a healthy machine", "Record more healthy runs"),
     ],

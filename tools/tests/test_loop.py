@@ -132,3 +132,43 @@ def test_two_effects_are_added_at_once_with_the_wear_beside_them(tmp_path: Path)
     assert all(error > 2.0 * result["error"]["after"] for error in result["error_without"].values())
     assert result["parameters"]["screw.csj_Nm"]["value"] == pytest.approx(0.16, rel=0.01)
     assert read_actuator(str(new))["screw.csj_Nm"] == pytest.approx(0.138, rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_error_after_adding_is_the_error_of_the_new_file(tmp_path: Path) -> None:
+    story, new = ROOT / "recordings" / "story", tmp_path / "new.toml"
+    healthy = [str(story / f"healthy_{k}.csv") for k in range(1, 4)]
+    before, added, after = (tmp_path / f"{name}.json" for name in ("before", "added", "after"))
+    assert run_ema("compare", REFERENCE, story / "today.csv", "--healthy", *healthy, "--json", before).code == 0
+    ran = run_ema("add", REFERENCE, "stribeck_friction", "--fit", story / "today.csv", "--healthy", *healthy, "-o", new, "--json", added)
+    assert ran.code == 0, ran.err
+    assert run_ema("compare", new, story / "today.csv", "--json", after).code == 0
+    first, told, last = (json.loads(file.read_text(encoding="utf-8"))["error"] for file in (before, added, after))
+    assert last["after"] == told["after"] < 1.1 * last["floor"]
+    # with today's CSJ and BLK the error of the model without the effect is far above the noise
+    assert first["after"] > 5.0 * told["after"]
+    assert json.loads(after.read_text(encoding="utf-8"))["today"]["screw.blk_mm"] == pytest.approx(0.069, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_loop_ends_at_the_true_wear_and_leaves_what_it_did(tmp_path: Path) -> None:
+    story, folder, answer = ROOT / "recordings" / "story", tmp_path / "found", tmp_path / "answer.json"
+    healthy = [str(story / f"healthy_{k}.csv") for k in range(1, 4)]
+    ran = run_ema("loop", REFERENCE, story / "today.csv", "--healthy", *healthy, "-o", folder, "--json", answer)
+    assert ran.code == 0, ran.err
+    result = json.loads(answer.read_text(encoding="utf-8"))
+    assert (result["verdict"], [command[1] for command in result["commands"]]) == ("fault", ["compare", "diagnose", "add", "identify"])
+    assert result["sentence"].startswith("Fault: CSJ +39.") and "BLK +100." in result["sentence"]
+    machine = read_actuator(str(folder / "machine.toml"))
+    assert machine.baseline is not None and machine.baseline.without == ("stribeck_friction",)
+    assert (folder / "commands.txt").read_text(encoding="utf-8").count("ema ") == 4
+    assert "<title>" in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_loop_of_a_model_that_holds_reads_the_sizes(tmp_path: Path) -> None:
+    folder = tmp_path / "found"
+    ran = run_ema("loop", REFERENCE, ROOT / "recordings" / "healthy.csv", "-o", folder)
+    assert ran.code == 0, ran.err
+    assert "Verdict after 2 commands: healthy." in ran.out and not (folder / "machine.toml").exists()
+    again = run_ema("loop", REFERENCE, ROOT / "recordings" / "healthy.csv", "-o", folder)
+    assert again.code == 1 and "exists already" in again.err

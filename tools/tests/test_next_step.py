@@ -75,7 +75,8 @@ def test_a_missing_effect_is_added_to_a_file_that_can_be_written() -> None:
     assert isinstance(other, IdentificationResult)
     console = printed()
     say_next(console, other)
-    assert text_of(console).startswith("Next: ask without the healthy records: ema identify mine.toml today.csv")
+    assert text_of(console).startswith("Next: record today's machine again: ema identify mine.toml NEXT.csv")
+    assert with_next(other).next == ()
 
 
 @pytest.mark.parametrize("alike", [(), ("spring_load", "constant_load")])

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ema_tools.plant.native import REASONS
+from ema_tools.words.advice import advice_for_reason
 from ema_tools.words.page import text as words
 
 
@@ -73,5 +74,5 @@ def test_signed() -> None:
 
 
 def test_every_reason_has_advice() -> None:
-    assert all(words.advice(text) for text in REASONS.values())
-    assert words.advice("something else") == ""
+    assert all(advice_for_reason(text) for text in REASONS.values())
+    assert advice_for_reason("something else") == ""

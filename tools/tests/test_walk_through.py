@@ -17,7 +17,7 @@ from support import complaint, run_ema
 
 @pytest.mark.slow
 def test_output_is_what_the_commands_print() -> None:
-    assert [missing_from(block, real) for block, real in shown_by_walk()] == [""] * 11
+    assert [missing_from(block, real) for block, real in shown_by_walk()] == [""] * 13
 
 
 def test_words_and_numbers_are_held_against_the_output() -> None:

@@ -29,6 +29,7 @@ from ema_tools.cli.exit_codes import exit_code_option, leave, of_diagnosis, of_i
 from ema_tools.cli.fleets import fleet
 from ema_tools.cli.greedy import TakesHealthy, healthy_option
 from ema_tools.cli.importing import import_group
+from ema_tools.cli.loop import loop
 from ema_tools.cli.options import command_line, fix_option, json_option, method_option, pictures_option, precision_option, save, writable
 from ema_tools.cli.picturing import draw, picture_files, say_drawn
 from ema_tools.cli.sections import InSections
@@ -106,38 +107,57 @@ def simulate(
     output().print(f"{out}: {record.rows} rows, {record.rows * record.period_s:g} s", highlight=False)
 
 
-@cli.command(short_help="Say where ACTUATOR's model fails on REC.")
+@cli.command(cls=TakesHealthy, short_help="Say where ACTUATOR's model fails on REC.")
 @click.argument("actuator")
 @click.argument("record")
+@healthy_option("Records of the healthy machine under the same command, two or more; those that ACTUATOR names when there are none.")
 @click.option("--report", "page", metavar="FILE.html", help="Write the page there: signals, where the model fails, and the workbench.")
 @precision_option("64")
 @pictures_option
 @json_option
-def compare(actuator: str, record: str, page: str | None, precision: str, pictures: str | None, json_path: str | None, force: bool) -> None:
-    """Compare ACTUATOR's model with a RECORD, and say where it fails; by the balance of forces alone where the controller is not known."""
+def compare(
+    actuator: str,
+    record: str,
+    healthy: tuple[str, ...],
+    page: str | None,
+    precision: str,
+    pictures: str | None,
+    json_path: str | None,
+    force: bool,
+) -> None:
+    """Compare ACTUATOR's model with a RECORD, and say where it fails; by the balance of forces alone where the controller is not known.
+
+    The weighted error is that of the model with today's CSJ and BLK, as ema add and ema diagnose state it.
+    """
     from ema_tools.compare.comparison import compare as work
     from ema_tools.compare.motion_comparison import compare_motion
     from ema_tools.compare.validity import unlike
     from ema_tools.data.actuator import read_actuator
-    from ema_tools.data.any_record import read_any_record
+    from ema_tools.data.any_record import read_any_record, record_files
     from ema_tools.data.motion_records import MotionRecord
     from ema_tools.data.records import Record
     from ema_tools.results.provenance import curves, provenance
+    from ema_tools.tasks.baseline_records import given_or_own
+    from ema_tools.tasks.model_error import error_where_known
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
     from ema_tools.words.answers.comparison import comparison
     from ema_tools.words.terminal import show
     from ema_tools.words.terminal.next_step import say_next
 
-    writable(page, *picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record))
+    healthy = record_files(healthy)
+    writable(page, *picture_files(pictures, "compare", record), json_path=json_path, force=force, inputs=(actuator, record, *healthy))
     model = read_actuator(actuator, complete=False)
     measured = read_any_record(record, model)
     with progress("comparing", 3) as bar:
         found = compare_motion(model, measured) if isinstance(measured, MotionRecord) else work(model, measured, int(precision), bar.update)
+    error = None
     if isinstance(measured, Record) and found.simulation is not None:
         found = replace(found, unlike=unlike(model, measured, found.simulation))
+        references = [one for one in given_or_own(model, [measured], healthy) if isinstance(one, Record)]
+        error = error_where_known(model, measured, references, asked=bool(healthy))
     origin = provenance(command_line(), actuator=model.name, record=measured.file, precision=f"{precision} bit")
-    result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None)
+    result = comparison(found, origin, curves(measured, model=found.simulation) if isinstance(measured, Record) else None, error)
     result = with_next(replace(result, workbench=bench(model, measured) if (json_path or page) and isinstance(measured, Record) else None))
     save(json_path, result, force)
     _page(page, result, force)
@@ -192,6 +212,7 @@ def calibrate(
     """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.any_record import read_any_record, record_files
+    from ema_tools.data.machine_state import Baseline
     from ema_tools.data.records import Record
     from ema_tools.results.provenance import provenance
     from ema_tools.select.fixes import fixes_of
@@ -240,7 +261,7 @@ def calibrate(
     if own is not None:
         found = of_own_machine(found, own, measured)
     unit = found.actuator.changed({}, {"source": said})
-    replace(unit, healthy=records if own is not None else ()).write(out, force)
+    replace(unit, baseline=Baseline.of(measured) if own is not None else None, findings=model.findings).write(out, force)
     result = with_next(replace(calibration(found, out, origin, own), method_reason=way.because))
     save(json_path, result, force)
     show.calibration(output(), result)
@@ -266,7 +287,9 @@ def calibrate(
     metavar="NAME[=LOW..HIGH],...",
     help="Find up to eight values at once beside them, by every signal of the record: screw.csj_Nm,motor.resistance_ohm=0.8..1.3. Says which of them the record determines.",
 )
-@click.option("--fitted", metavar="NEW.toml", help="Write the actuator with the identified values there.")
+@click.option(
+    "--fitted", metavar="NEW.toml", help="Write the actuator there with its baseline records, and with the identified values as a finding."
+)
 @click.option("--no-guard", is_flag=True, help="Do not look for a missing effect behind a fault: what the onboard module alone would say.")
 @click.option(
     "--table",
@@ -303,18 +326,21 @@ def identify(
     """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.any_record import record_files
+    from ema_tools.data.machine_state import Baseline
     from ema_tools.data.records import read_record, simulated
     from ema_tools.plant.native import SearchSettings
     from ema_tools.plant.signatures_header import read_signatures
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.select.known_machine import silent
+    from ema_tools.tasks.baseline_records import baseline_records_of, why_not_used, with_state
     from ema_tools.tasks.identify import identify as work
+    from ema_tools.tasks.model_error import error_where_known
     from ema_tools.tasks.objective_shape import shape_of
     from ema_tools.tasks.onboard_search import search_warnings, weight_of
-    from ema_tools.tasks.own_runs import own_runs, why_not_used
     from ema_tools.tasks.several_values import searched_of, several_values
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
+    from ema_tools.words.answers.comparison import error_entry
     from ema_tools.words.answers.identification import identification, values
     from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
@@ -328,7 +354,7 @@ def identify(
     measured = read_record(record, model)
     # what the onboard module alone would say knows of no other record
     asked = bool(healthy) or no_guard or table is not None
-    references = [read_record(path, model) for path in healthy] if asked else own_runs(model, measured)
+    references = [read_record(path, model) for path in healthy] if asked else baseline_records_of(model, measured)
     weight = weight_of(weights)
     signatures = read_signatures(table) if table else None
     if value_names is not None:
@@ -354,7 +380,10 @@ def identify(
                 found.healthy, measured, value_names, int(precision), lambda runs, misfit: bar.update(runs, f"misfit {misfit:.3g}")
             )
     if fitted:
-        found.actuator.write(fitted, force)
+        # the model as it is: today's values are a finding
+        kept = model.baseline or Baseline.of(references)
+        machine = replace(model.changed({}), baseline=kept)
+        replace(with_state(machine, model, (), (), measured, found.actuator, "identify"), baseline=kept).write(fitted, force)
     held = {"healthy": ", ".join(one.file for one in references)} if references else {}
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit", **held)
     drawn = None
@@ -367,6 +396,7 @@ def identify(
     given = healthy or model.healthy
     result = replace(
         result,
+        error=None if no_guard or table is not None else error_entry(error_where_known(model, measured, references, asked=False)),
         sentence=with_paths(result.sentence, actuator, [record], given),
         reasons=tuple(with_paths(reason, actuator, [record], given) for reason in result.reasons),
         workbench=bench(found.healthy, measured) if json_path or page else None,
@@ -376,7 +406,7 @@ def identify(
     _page(page, result, force)
     show.identification(output(), result)
     if references and not asked:
-        show.say(output(), f"held against {_few([one.file for one in references])}, on which {model.file} was calibrated")
+        show.say(output(), f"compared with the baseline records of {model.file}: {_few([one.file for one in references])}")
     say_next(output(), result)
     if not asked and not references and (unused := why_not_used(model, measured)):
         complain(unused)
@@ -428,9 +458,9 @@ def diagnose(
     from ema_tools.data.records import Record, simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.select.fixes import fixes_of
+    from ema_tools.tasks.baseline_records import carried, given_or_own, with_state
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
-    from ema_tools.tasks.own_runs import own_runs_beside
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
     from ema_tools.words.answers.method import diagnosis
@@ -442,9 +472,7 @@ def diagnose(
     model = read_actuator(actuator, complete=False)
     records = [read_any_record(path, model) for path in record]
     measured = records[0]
-    references = [read_any_record(path, model) for path in healthy]
-    if not references and method != "balance":
-        references = list(own_runs_beside(model, records))
+    references = given_or_own(model, records, healthy) if healthy or method != "balance" else []
     other = read_any_record(holdout, model) if holdout else None
     way, fixes = chosen(model, records, references, other, method), fixes_of(model, fixed)
     with progress("diagnosing", 100) as bar:
@@ -466,7 +494,12 @@ def diagnose(
     _page(page, result, force)
     kept = fitted if found.recommended else None
     if kept:
-        found.machine.write(kept, force)
+        machine = carried(found.machine, model)
+        if isinstance(found, Answer):
+            began = [one.name for one in found.effects]
+            repeats = [one for one in references if isinstance(one, Record)] if found.evidence.relative else []
+            machine = with_state(found.machine, model, repeats, began, found.record, found.fitted, "diagnose")
+        machine.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
     if fitted and not kept:
@@ -561,9 +594,10 @@ def add(
     from ema_tools.tasks.add import add as work
     from ema_tools.tasks.add import add_to_known, add_together
     from ema_tools.tasks.add_by_balance import add_by_balance
+    from ema_tools.tasks.baseline_records import carried, given_or_own, with_state
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.method import check_fixes, chosen
-    from ema_tools.tasks.own_runs import own_runs_beside
+    from ema_tools.tasks.model_error import model_error
     from ema_tools.tasks.simulate import with_settings
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
@@ -589,7 +623,7 @@ def add(
         made = with_settings(model, tuple(f"effects.{effect}.{one}" for one in settings))
         if effect not in made.active_effects:
             raise InputError(f"add {effect}: {', '.join(settings)}: at these values the effect is absent: give its size with --set")
-        made.write(out, force)
+        carried(made, model).write(out, force)
         told = setting(made, effect, model, out, provenance(command_line(), actuator=model.name))
         save(json_path, told, force)
         if told.replaced:
@@ -601,9 +635,7 @@ def add(
     if known and healthy:
         raise InputError(f"add {effect}: --known: the healthy records say what the machine is like: leave one of the two out")
     records = [read_any_record(path, model) for path in files]
-    references = [read_any_record(path, model) for path in healthy]
-    if not (references or known or method == "balance"):
-        references = list(own_runs_beside(model, records))
+    references = given_or_own(model, records, healthy) if healthy or not (known or method == "balance") else []
     other = read_any_record(holdout, model) if holdout else None
     fixes = fixes_of(model, fixed)
     if known and (method == "balance" or len(records) > 1):
@@ -629,7 +661,7 @@ def add(
         with progress("adding", 100) as bar:
             by_balance = add_by_balance(model, effect, records, () if other is None else (other,), fixes, tell)
         said = "; ".join(filter(None, (model.about.get("source"), f"{effect} fitted on {_few([one.file for one in records])}")))
-        by_balance.actuator.changed({}, {"source": said}).write(out, force)
+        carried(by_balance.actuator.changed({}, {"source": said}), model).write(out, force)
         origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records))
         told = with_next(addition_by_balance(by_balance, out, origin, way.because))
         save(json_path, told, force)
@@ -647,8 +679,12 @@ def add(
         else:
             found = add_to_known(model, effect, measured, apart, tell) if known else work(model, effect, measured, repeats, apart, tell)
     said = "; ".join(filter(None, (model.about.get("source"), f"{', '.join(together)} fitted on {measured.file}")))
-    found.machine.changed({}, {"source": said}).write(out, force)
     drawn, evidence = None, found.fit.view.evidence
+    machine = found.machine.changed({}, {"source": said})
+    machine = with_state(machine, model, repeats if evidence.relative else [], together, measured, found.fitted, "add")
+    machine.write(out, force)
+    # the number that ema compare states of the new file
+    found = found.with_last_error(model_error(machine, measured, repeats if evidence.relative else []).fitted)
     if json_path or page:
         drawn = curves(measured, before=simulated(evidence.actuator, measured), after=simulated(found.fitted, measured))
     result = addition(found, measured.file, out, provenance(command_line(), actuator=model.name, record=measured.file), drawn)
@@ -999,6 +1035,7 @@ def demo_command(folder: str | None, paper: bool, json_path: str | None, force: 
     save(json_path, DemoResult("demo", str(page), tuple(sorted(path.name for path in page.parent.glob("*.json")))), force)
 
 
+cli.add_command(loop)
 cli.add_command(watch)
 cli.add_command(fleet)
 cli.add_command(import_group)

@@ -30,10 +30,12 @@ from ema_tools.results.parts import Provenance
 from ema_tools.results.provenance import curves, provenance
 from ema_tools.results.reading import Result
 from ema_tools.tasks.add import add
+from ema_tools.tasks.baseline_records import with_state
 from ema_tools.tasks.calibrate import calibrate
 from ema_tools.tasks.diagnose import answer
 from ema_tools.tasks.export import header_text
 from ema_tools.tasks.identify import identify
+from ema_tools.tasks.model_error import model_error
 from ema_tools.tasks.objective_shape import shape_of
 from ema_tools.tasks.own_machine import of_own_machine, own_machine
 from ema_tools.tasks.workbench import bench
@@ -170,7 +172,10 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     with terminal.progress("comparing", 3) as bar:
         measured = compare(unit.sheet, unit.today, report=bar.update)
     compared = comparison(
-        measured, _origin(unit, f"ema compare {unit.sheet_file} {unit.today_file}"), curves(unit.today, model=measured.simulation)
+        measured,
+        _origin(unit, f"ema compare {unit.sheet_file} {unit.today_file}"),
+        curves(unit.today, model=measured.simulation),
+        model_error(unit.sheet, unit.today),
     )
     _write(folder / _COMPARED, compared)
     rod, current = (compared.channels[name].relative_percent for name in ("position_mm", "current_A"))
@@ -200,7 +205,9 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 4, f"ema add {unit.sheet_file} {effect} --fit {unit.today_file} {unit.others} -o {_shown(folder / _MACHINE)}")
     with terminal.progress("adding", 100) as bar:
         added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
-    added.actuator.write(folder / _MACHINE, True)
+    machine = with_state(added.machine, unit.sheet, unit.healthy, (effect,), unit.today, added.fitted, "add")
+    added = added.with_last_error(model_error(machine, unit.today, unit.healthy).fitted)
+    machine.write(folder / _MACHINE, True)
     drawn = curves(unit.today, before=simulated(added.fit.view.evidence.actuator, unit.today), after=simulated(added.fitted, unit.today))
     asked = f"ema add {unit.sheet_file} {effect} --fit {unit.today_file} {unit.others_quoted} -o {_shown(folder / _MACHINE)}"
     model = addition(added, unit.today.file, _shown(folder / _MACHINE), _origin(unit, asked), drawn)
@@ -214,8 +221,8 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
         f"{effect} is fitted{f' beside {beside}, which may have changed with it' if beside else ''}; nothing is fitted to the record held out.",
     )
 
-    _command(output, 5, f"ema identify {_shown(folder / _MACHINE)} {unit.today_file} --weight {_WEIGHTS}")
-    after = _searched(unit, added.actuator, _shown(folder / _MACHINE), f"with {effect}")
+    _command(output, 5, f"ema identify {_shown(folder / _MACHINE)} {unit.today_file}")
+    after = _searched(unit, machine, _shown(folder / _MACHINE), f"with {effect}")
     _write(folder / _ON_PAGE[3], after)
     _say(output, f"{_verdict(after)}; the model is {'adequate' if after.adequate else 'not adequate'}.")
     true = ", ".join(f"{name.split('.')[1]} {value:g}" for name, value in story.EFFECT_VALUES.items())
@@ -291,13 +298,16 @@ def _command(output: Console, place: int, line: str) -> None:
 
 
 def _searched(unit: _Unit, actuator: Actuator, file: str, model: str) -> IdentificationResult:
+    """Today's record by the data sheet's model with the weights of both encoders, or by a machine file with its baseline records."""
+    healthy = unit.healthy if actuator.baseline is not None else ()
+    search = None if healthy else SearchSettings(weight=_WEIGHT)
     with terminal.progress("identifying", actuator["search.evaluation_budget"]) as bar:
-        found = identify(actuator, unit.today, search=SearchSettings(weight=_WEIGHT), bits=_BITS, progress=partial(_tell, bar, 0.0))
+        found = identify(actuator, unit.today, healthy, search, bits=_BITS, progress=partial(_tell, bar, 0.0))
     drawn = curves(unit.today, before=simulated(found.healthy, unit.today), after=simulated(found.actuator, unit.today))
     said = identification(
         found,
         f"{unit.today.file}, {model}",
-        _origin(unit, f"ema identify {file} {unit.today_file} --weight {_WEIGHTS}"),
+        _origin(unit, f"ema identify {file} {unit.today_file}{'' if healthy else f' --weight {_WEIGHTS}'}"),
         drawn,
         shape_of(found),
     )

@@ -89,5 +89,7 @@ def writable(
 
 
 def command_line() -> str:
-    """What the user typed, for a result's provenance."""
-    return shlex.join(["ema", *sys.argv[1:]])
+    """What the user typed, or what `ema loop` runs for him, for a result's provenance."""
+    context = click.get_current_context(silent=True)
+    words = context.find_root().obj if context is not None else None
+    return shlex.join(["ema", *(words or sys.argv[1:])])

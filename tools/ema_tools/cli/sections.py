@@ -8,7 +8,7 @@ import click
 
 SECTIONS: Mapping[str, Sequence[str]] = {
     "Records": ("import", "simulate"),
-    "Where the model fails, and what it lacks": ("compare", "diagnose", "effects", "add", "next", "map"),
+    "Where the model fails, and what it lacks": ("loop", "compare", "diagnose", "effects", "add", "next", "map"),
     "A unit and its faults": ("calibrate", "identify", "fleet", "export", "telemetry"),
     "To look at": ("report", "watch", "demo"),
 }

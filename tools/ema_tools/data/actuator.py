@@ -8,7 +8,6 @@ from __future__ import annotations
 import copy
 import difflib
 import math
-import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
@@ -24,6 +23,7 @@ from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import one_line, read_text, readable, write_text
 from ema_tools.data.incomplete import NONE_OF_IT, WITHOUT, absent_sections, forgotten, is_incomplete, left_out
+from ema_tools.data.machine_state import BASELINE, Baseline, Finding, from_folder, taken_state, update_state
 from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions, shipped_folder
 from ema_tools.library.one_at_a_site import clash, taken_out
 
@@ -34,9 +34,6 @@ DRIVE_LAG, DRIVE_LAG_MAX_S = "drive_lag_s", 0.1
 SETTINGS = ("search", "verdict")
 # How the unit differs from run to run: rows such as screw.csj_Nm = 0.006 below [scatter].
 SCATTER = "scatter"
-
-# The table of a calibrated unit, and its key for the healthy runs that it was calibrated on, from the file's folder.
-CALIBRATION, HEALTHY = "calibration", "healthy"
 
 # The comments behind values that nobody stated: an import put them there to start from.
 FROM_RECORDS, NONE_TAKEN = "a start, by least squares on the imported records", "a start, none is taken"
@@ -160,7 +157,7 @@ class Actuator:
     `document` is the file's text with its comments, from which `written_text` starts; `file` is where it came from. `remarks`: comments behind values, by their names, that replace those
     of the file. `absent`: values that the file leaves out, as that of a machine whose controller is not known may: what stands for them in `values` fills the module's arrays and is
     never a value of this machine. `scatter`: what the file states of how the unit differs from run to run, one standard deviation by name: relative, or in the value's unit where
-    `scatters_by_share` says no; zero for what does not scatter. `healthy`: the files of the unit's healthy runs, where this is what a calibration found on them; a changed one is another.
+    `scatters_by_share` says no; zero for what does not scatter. `baseline`: records of the healthy machine, and `findings`: what was found on later ones; a changed actuator has neither.
     `drive_lag_s`: time constant by which the drive's current or torque was recorded late, negative where the motion was; None where nothing is stated.
     """
 
@@ -171,7 +168,8 @@ class Actuator:
     remarks: Mapping[str, str] = field(default_factory=dict, compare=False)
     absent: frozenset[str] = frozenset()
     scatter: Mapping[str, float] = field(default_factory=dict)
-    healthy: tuple[str, ...] = field(default=(), compare=False)
+    baseline: Baseline | None = field(default=None, compare=False)
+    findings: tuple[Finding, ...] = field(default=(), compare=False)
     drive_lag_s: float | None = None
 
     def __getitem__(self, name: str) -> float:
@@ -214,6 +212,19 @@ class Actuator:
         before = {effect.name for effect in load_definitions().effects if effect.site == "PARAMETER"}
         return tuple(name for name in self.active_effects if name not in before)
 
+    @property
+    def healthy(self) -> tuple[str, ...]:
+        """The files of the baseline records."""
+        return self.baseline.files if self.baseline is not None else ()
+
+    def before_baseline(self) -> Actuator:
+        """The model without the effects that began after the baseline records; itself where the file names none."""
+        if self.baseline is None or not self.baseline.without:
+            return self
+        known = {effect.name: effect for effect in load_definitions().effects}
+        absent = {known[name].size.name: known[name].size.nominal for name in self.baseline.without}
+        return replace(self.changed(absent), baseline=replace(self.baseline, without=()), findings=self.findings)
+
     def keeping(self, healthy: Actuator, names: Iterable[str]) -> Actuator:
         """The actuator with the values `names` that `healthy` has: CSJ and BLK of today are not written as those of the healthy machine."""
         return self.changed({name: healthy[name] for name in names if healthy.has(name)})
@@ -242,7 +253,8 @@ class Actuator:
             about={**self.about, **(about or {})},
             remarks={**self.remarks, **(remarks or {})},
             absent=stated,
-            healthy=(),
+            baseline=None,
+            findings=(),
         )
 
     def with_drive_lag(self, lag_s: float | None) -> Actuator:
@@ -274,14 +286,16 @@ class Actuator:
             trivia = _item_of(document, row_of(name)).trivia
             trivia.comment, trivia.comment_ws = f"# {text}", trivia.comment_ws or " "
         _update_scatter(document, self.scatter)
-        went = _update_healthy(document, self.healthy)
-        text = tomlkit.dumps(document)
-        return text.rstrip("\n") + "\n" if went else text
+        update_state(document, self.baseline, self.findings)
+        return tomlkit.dumps(document).rstrip("\n") + "\n"
 
     def write(self, path: str | Path, force: bool = False) -> None:
         """Write the TOML file. Raises InputError when it exists and `force` is not set, or cannot be written."""
-        beside = tuple(_from_folder(one, Path(path).parent) for one in self.healthy)
-        write_text(path, replace(self, healthy=beside).written_text(), force)
+        folder = Path(path).parent
+        files = tuple(from_folder(file, folder) for file in self.healthy)
+        baseline = None if self.baseline is None else replace(self.baseline, files=files)
+        findings = tuple(replace(finding, record=from_folder(finding.record, folder)) for finding in self.findings)
+        write_text(path, replace(self, baseline=baseline, findings=findings).written_text(), force)
 
 
 def _update_about(document: tomlkit.TOMLDocument, about: Mapping[str, str]) -> None:
@@ -338,27 +352,6 @@ def _update_scatter(document: tomlkit.TOMLDocument, scatter: Mapping[str, float]
             table.append(tomlkit.key([section, key]), item)
         elif _plain(table[section][key]) != std:
             table[section][key] = float(std)
-
-
-def _update_healthy(document: tomlkit.TOMLDocument, healthy: Sequence[str]) -> bool:
-    """Name the healthy runs; what the file said of them goes where there are none, which is answered."""
-    if list(healthy) == _plain(document.get(CALIBRATION, {}).get(HEALTHY, [])):
-        return False
-    went = document.pop(CALIBRATION, None) is not None and not healthy
-    if healthy:
-        table = tomlkit.table()
-        table.add(HEALTHY, list(healthy))
-        table[HEALTHY].comment("the unit's healthy runs, beside which ema identify holds those of today")
-        document.add(CALIBRATION, table)
-    return went
-
-
-def _from_folder(file: str, folder: Path) -> str:
-    """The path of a file as seen from a folder, or the whole path where there is none."""
-    try:
-        return Path(os.path.relpath(file, folder)).as_posix()
-    except ValueError:  # another drive
-        return str(Path(file).resolve())
 
 
 def _scatter_unit(row: Row) -> str:
@@ -472,7 +465,11 @@ def read_actuator(path: str | Path, complete: bool = True) -> Actuator:
     if str(path) == "reference" and not Path(path).exists():
         path = shipped_folder() / "actuators" / "reference.toml"
     found = actuator_of(read_text(path), readable(Path(path).name), complete)
-    return replace(found, healthy=tuple(str(Path(path).parent / one) for one in found.healthy))
+    folder = Path(path).parent
+    baseline = None if found.baseline is None else replace(found.baseline, files=tuple(str(folder / file) for file in found.healthy))
+    return replace(
+        found, baseline=baseline, findings=tuple(replace(finding, record=str(folder / finding.record)) for finding in found.findings)
+    )
 
 
 def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
@@ -495,16 +492,16 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
     if two := clash(values):
         raise InputError(f"{file}: [effects]: {two}")
     scatter = _scatter(content.pop(SCATTER, {}), file)
-    healthy = _healthy(content.pop(CALIBRATION, {}), file)
+    baseline, findings = taken_state(content, file)
     sections = known.sections
     for section, table in content.items():
         if section not in sections:
-            near = nearest(section, [*sections, "effects", "actuator", SCATTER, CALIBRATION])
+            near = nearest(section, [*sections, "effects", "actuator", SCATTER, BASELINE])
             raise InputError(
-                f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, {SCATTER}, {CALIBRATION}, effects.<name>"
+                f"{file}: [{section}]: unknown table{near}: tables are {', '.join(sections)}, {SCATTER}, {BASELINE}, effects.<name>"
             )
         _take(table, {row.field: row for row in sections[section]}, section, values, file)
-    found = Actuator(values=values, document=document, file=file, about=about, scatter=scatter, healthy=healthy, drive_lag_s=lag_s)
+    found = Actuator(values, document, file, about, scatter=scatter, baseline=baseline, findings=findings, drive_lag_s=lag_s)
     if not complete and is_incomplete(content):
         machine = [row for section, rows in sections.items() if section not in SETTINGS for row in rows]
         _complain(forgotten(content, machine), file)
@@ -512,16 +509,6 @@ def actuator_of(text: str, file: str, complete: bool = True) -> Actuator:
         return replace(found, values={**values, **nothing}, absent=absent)
     _require(content, sections, file)
     return found
-
-
-def _healthy(table: object, file: str) -> tuple[str, ...]:
-    """The healthy runs that [calibration] names. Raises InputError."""
-    named = table.get(HEALTHY, []) if isinstance(table, dict) and set(table) <= {HEALTHY} else None
-    if not isinstance(named, list) or not all(isinstance(one, str) and one for one in named):
-        raise InputError(
-            f'{file}: [{CALIBRATION}]: it holds {HEALTHY} = ["RUN.csv", ...] and nothing else: calibrate again, or take it out'
-        )
-    return tuple(named)
 
 
 def _reason(error: TOMLKitError, text: str) -> str:

@@ -16,7 +16,6 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import one_line, readable, write_text
-from ema_tools.data.records import COLUMNS as CONTROLLED_COLUMNS
 from ema_tools.data.records import Record
 
 # Any of these is a motion, any of those a drive; with the motor's data the voltage is one too.
@@ -109,18 +108,6 @@ class MotionRecord:
         """A copy with some columns replaced."""
         changed: dict[str, Any] = dict(columns)
         return replace(self, **changed)
-
-    def controlled(self) -> Record:
-        """The same as a record of a machine whose controller is known. Raises InputError when its command or its rod position is not recorded."""
-        for name in ("command_mm", "position_mm"):
-            if self.channel(name) is None:
-                raise InputError(
-                    f"{self.file}: {name}: is not recorded: what simulates the machine needs it, the balance of forces does not"
-                )
-        kept = {name: self.channel(name) for name in CONTROLLED_COLUMNS if name not in ("time_s", "command_mm", "position_mm")}
-        return Record(
-            self.period_s, self.recorded("command_mm"), self.recorded("position_mm"), file=self.file, first_time_s=self.first_time_s, **kept
-        )
 
 
 # A recording of any machine.

@@ -17,6 +17,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.files import one_line, read_again, readable, reason, write_text
 from ema_tools.data.actuator import Actuator
+from ema_tools.data.machine_state import digest
 from ema_tools.plant.native import CHANNELS, RECORD_COLUMNS, Simulation, library
 
 COLUMNS = RECORD_COLUMNS
@@ -24,7 +25,10 @@ COLUMNS = RECORD_COLUMNS
 
 @dataclass(frozen=True)
 class Record:
-    """One recording; every array has shape [rows], absent signals are None. `file` is shown in messages."""
+    """One recording; every array has shape [rows], absent signals are None. `file` is shown in messages.
+
+    `path` and `sha256`: the file that it was read from and the digest of its content; empty for what was not read from a file.
+    """
 
     period_s: float
     command_mm: Reals
@@ -35,6 +39,8 @@ class Record:
     speed_mm_s: Reals | None = None
     file: str = "record"
     first_time_s: float = 0.0
+    path: str = ""
+    sha256: str = ""
 
     @property
     def rows(self) -> int:
@@ -142,10 +148,13 @@ def read_record(path: str | Path, actuator: Actuator | None = None) -> Record:
             period_s = library().check_table(str(path), table, mask)
         else:
             table, mask, period_s = library().read_csv(place)
+        sha256 = digest(place)
     if actuator is not None:
         library().check_fit(str(path), table, actuator["screw.travel_mm"], actuator.record_period_s)
     arrays = {name: np.ascontiguousarray(table[:, place]) for place, name in enumerate(COLUMNS) if mask >> place & 1 and name != "time_s"}
-    return Record(period_s=period_s, first_time_s=float(table[0, 0]), file=readable(Path(path).name), **arrays)
+    return Record(
+        period_s=period_s, first_time_s=float(table[0, 0]), file=readable(Path(path).name), path=str(path), sha256=sha256, **arrays
+    )
 
 
 def _table(columns: Mapping[str, object], file: str) -> tuple[Reals, int]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE
-from ema_tools.results.parts import CurvesEntry, Place, Provenance
+from ema_tools.results.parts import CurvesEntry, ErrorsEntry, Place, Provenance
 from ema_tools.results.workbench import BenchEntry
 
 
@@ -41,6 +41,9 @@ class ComparisonResult:
     name: str | None = None  # of the record
     channels: dict[str, ChannelErrorEntry]  # by column
     balances: dict[str, BalanceErrorEntry]  # mechanical, electrical, kinematic, controller
+    # the weighted error: of the model as given, with today's CSJ, BLK and nuisance parameters, and of a record with nothing new; None where nothing can be simulated
+    error: ErrorsEntry | None = field(default=None, metadata=SPARE)
+    today: dict[str, float] | None = field(default=None, metadata=SPARE)  # CSJ and BLK with which `error.after` is reached, by full name
     where: tuple[Place, ...] = ()  # largest share first
     sentence: str = ""
     unlocated_event_steps: int = 0  # of the simulation: steps in which more happened than the module resolves
@@ -48,3 +51,11 @@ class ComparisonResult:
     next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
     curves: CurvesEntry | None = field(default=None, metadata=SPARE)  # None for a very long record
     workbench: BenchEntry | None = field(default=None, metadata=SPARE)  # what the page simulates; None as of curves
+
+    @property
+    def explained(self) -> bool | None:
+        """Whether the model explains the record: by the weighted error, else by every balance; None where nothing says so."""
+        if self.error is not None and self.error.explained is not None:
+            return self.error.explained
+        known = [one.excess_percent for one in self.balances.values() if one.excess_percent is not None]
+        return all(excess == 0.0 for excess in known) if known else None

@@ -95,6 +95,21 @@ class ReportResult:
     page: str  # file
 
 
+@dataclass(frozen=True, kw_only=True)
+class LoopResult:
+    """What the loop of compare, diagnose, add and identify ended with."""
+
+    command: Literal["loop"] = "loop"
+    verdict: Literal["healthy", "fault", "undecided"]
+    sentence: str  # of the last result
+    reason: str  # why there is no verdict, and what to record; empty with one
+    commands: tuple[tuple[str, ...], ...]  # that were run, as argument lists
+    machine: str | None  # file of the last model that was written; None where no effect was added
+    page: str  # file
+    provenance: Provenance = field(default_factory=dict)
+    next: tuple[tuple[str, ...], ...] = ()  # advised commands as argument lists; empty where a new record must be made first
+
+
 @dataclass(frozen=True)
 class DemoResult:
     """What the demo left."""

@@ -22,6 +22,13 @@ class MapPointEntry:
     seconds: float  # of all of them together
     records: tuple[str, ...]
 
+    @property
+    def outside(self) -> bool:
+        """Whether the model lies outside the 95 % interval of the mean; where there is none, outside the band."""
+        low, high = self.interval95
+        low, high = (self.low_Nm, self.high_Nm) if low is None or high is None else (low, high)
+        return not low <= self.model_Nm <= high
+
 
 @dataclass(frozen=True)
 class BothWays:

@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Literal
 
 from ema_tools.results.codec import SPARE, Series, key
-from ema_tools.results.parts import CurvesEntry, Provenance, Sensor
+from ema_tools.results.parts import CurvesEntry, ErrorsEntry, Provenance, Sensor
 from ema_tools.results.workbench import BenchEntry
 
 # Values that can be identified.
@@ -200,6 +200,8 @@ class IdentificationResult:
     guard: Guard | None = None  # None where nobody looked
     table: TableFinding | None = None  # None where no table was given
     sentence: str = ""
+    # the weighted error of the model, as in a comparison; None where nobody looked at all signals
+    error: ErrorsEntry | None = field(default=None, metadata=SPARE)
     residual_rms_mm: float | None = None
     residual_correlation: float | None = None  # of neighbouring rows, -1..1
     outcome: str | None = None  # what ended the search

@@ -12,6 +12,10 @@ from ema_tools.results.codec import SPARE, Series, key
 Provenance = dict[str, str]
 
 
+EXPLAINED = 1.1  # times the noise level: a model that leaves no more on a record lacks nothing that this record shows [judgement]
+_NOISELESS = 0.1  # of a record without noise: a weighted error below a tenth of what its signals are trusted to [precision]
+
+
 @dataclass(frozen=True)
 class Channels:
     """Signals of one record or of one simulation, row by row; None where a signal is not there."""
@@ -44,6 +48,11 @@ class ErrorsEntry:
     floor: float | None = None  # what a record with nothing new has; None where it is not known
     holdout_before: float | None = None  # of the first model on the record held out; None without one
     holdout_after: float | None = None  # of the last model there
+
+    @property
+    def explained(self) -> bool | None:
+        """Whether the last model leaves no more than noise; None where the errors are not known."""
+        return None if self.after is None or self.floor is None else self.after <= max(EXPLAINED * self.floor, _NOISELESS)
 
 
 @dataclass(frozen=True)

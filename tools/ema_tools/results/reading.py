@@ -16,7 +16,16 @@ from ema_tools.results.detection import DetectionResult
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.effects import Effects
 from ema_tools.results.experiment import Experiment
-from ema_tools.results.files import DemoResult, DraftResult, ExportResult, ImportResult, ReportResult, SimulationResult, TableImportResult
+from ema_tools.results.files import (
+    DemoResult,
+    DraftResult,
+    ExportResult,
+    ImportResult,
+    LoopResult,
+    ReportResult,
+    SimulationResult,
+    TableImportResult,
+)
 from ema_tools.results.fleet import FleetResult
 from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
@@ -36,6 +45,7 @@ Result = (
     | FleetResult
     | IdentificationResult
     | ImportResult
+    | LoopResult
     | MapResult
     | ReportResult
     | DemoResult
@@ -55,6 +65,7 @@ _BY_COMMAND: Mapping[str, type[Result]] = {
     "import draft": DraftResult,
     "import emps": ImportResult,
     "import table": TableImportResult,
+    "loop": LoopResult,
     "map": MapResult,
     "next": Experiment,
     "report": ReportResult,

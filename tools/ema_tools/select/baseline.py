@@ -247,6 +247,18 @@ def _against_repeats(
     return against_known(known, record, healthy, channels)
 
 
+def _against_own(actuator: Actuator, record: Record, healthy: Sequence[Record], channels: tuple[str, ...]) -> Evidence:
+    """Evidence against the baseline records that the actuator's file names, to which its model without later effects is fitted already."""
+    before = actuator.before_baseline()
+    evidence = against_known(before, record, healthy, channels)
+    if before is actuator:
+        return evidence
+    # a baseline record with the effects that came later
+    with_effects = simulate_channels(actuator, record, channels, evidence.start_mm)
+    added = with_effects - simulate_channels(before, record, channels, evidence.start_mm)
+    return replace(evidence, actuator=actuator, repeats=tuple(repeat + added for repeat in evidence.repeats))
+
+
 def gather(
     actuator: Actuator, record: Record, healthy: Sequence[Record] = (), channels: Sequence[str] | None = None, report: Report | None = None
 ) -> Evidence:
@@ -257,6 +269,8 @@ def gather(
     names = tuple(channels) if channels else common_channels([record, *healthy])
     if healthy:
         _check_repeats(record, healthy)
+        if actuator.baseline is not None and actuator.baseline.without is not None and actuator.baseline.covers(healthy):
+            return _against_own(actuator, record, healthy, names)
         return _against_repeats(actuator, record, healthy, names, report)
     return _of_data_sheet(actuator, record, names, ())
 

@@ -17,13 +17,13 @@ from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, cost_at, raw_cost, settled
 from ema_tools.fit.nuisance import moved
 from ema_tools.fit.refit import Fit
+from ema_tools.results.parts import EXPLAINED
 from ema_tools.select.baseline import against_known, alone_against_known
 from ema_tools.select.outcome import Diagnosis
 
 _SETTLE_ROUNDS = 3  # of linear steps to where what scatters is best on the record held out [effort]
 # An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent [chance]
 _RISE = 1.02
-_EXPLAINED = 1.1  # times the floor: so near to it nothing is missing on a record [judgement]
 # What moves before any effect is added.
 SCATTER = "what scatters from run to run"
 UNIT = "the unit's own parameters"
@@ -75,7 +75,7 @@ def refuted(steps: Sequence[Rung]) -> tuple[str, ...]:
 def shows_nothing(steps: Sequence[Rung], errors: ErrorFall) -> bool:
     """Whether the record held out is explained before any effect is added, as a run of the healthy machine is, while the record itself is not."""
     before = next((step.holdout for step in reversed(steps) if not step.effects), None)
-    return before is not None and errors.holdout_floor is not None and before <= _EXPLAINED * errors.holdout_floor
+    return before is not None and errors.holdout_floor is not None and before <= EXPLAINED * errors.holdout_floor
 
 
 def weighted(cost: float, evidence: Evidence) -> float:

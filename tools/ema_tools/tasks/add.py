@@ -91,6 +91,11 @@ class Added:
         """What `ema add` writes: `actuator` with CSJ and BLK of the healthy machine."""
         return self.actuator.keeping(self.healthy, FAULTS.values())
 
+    def with_last_error(self, error: float) -> Added:
+        """The same with the weighted error of the last model on the record as `error`."""
+        last = replace(self.steps[-1], error=error, told=(error, self.steps[-1].told[1]))
+        return replace(self, errors=replace(self.errors, after=error), steps=(*self.steps[:-1], last))
+
     @property
     def fitted(self) -> Actuator:
         """The machine as the record shows it: with the effect, and with CSJ and BLK as far as they were fitted beside it."""

@@ -369,6 +369,10 @@ def identify(
     def answered(since: Sequence[str] = ()) -> Identified:
         return _identify(actuator, record, healthy, search, seeds, bits, progress, guarding, table, stage, since)
 
+    baseline = actuator.baseline
+    if baseline is not None and baseline.without is not None and healthy and baseline.covers(healthy):
+        # the file says which effects the healthy records lack
+        return answered(baseline.without)
     found = answered()
     checked = found.checked
     held = actuator.active_effects
@@ -421,7 +425,8 @@ def _identify(
     same = repeats_of(record, healthy) if table is None else ()
     new = [load_definitions().effect(effect) for effect in since]
     added = {f"effects.{value.name}": actuator[value.name] for effect in new for value in effect.parameters}
-    before = actuator.changed({f"effects.{effect.size.name}": effect.size.nominal for effect in new}) if new else actuator
+    own = actuator.before_baseline()
+    before = own if own is not actuator or not new else actuator.changed({f"effects.{one.size.name}": one.size.nominal for one in new})
     repeats = compared(before, record, same) if same else None
     magnets: MagnetsToday | None = None
     winding: float | None = None

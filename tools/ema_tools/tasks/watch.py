@@ -15,9 +15,9 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.growing import Growing
 from ema_tools.data.records import Record, simulated
 from ema_tools.plant.native import Identification, SearchSettings, Simulation
+from ema_tools.tasks.baseline_records import baseline_records_of
 from ema_tools.tasks.identify import Identified, identify
 from ema_tools.tasks.onboard_search import check_record, run
-from ema_tools.tasks.own_runs import own_runs
 
 Phase = Literal["waiting", "recording", "judging", "judged"]
 
@@ -125,7 +125,7 @@ class Watch:
             return
         self._change(phase="judging")
         try:
-            healthy = self._healthy or own_runs(self._actuator, record)
+            healthy = self._healthy or baseline_records_of(self._actuator, record)
             found = identify(self._actuator, record, healthy)
         except InputError as error:
             self._change(phase="judged", trouble=self._unread or str(error))

@@ -44,7 +44,7 @@ def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None 
         unexplained=found.diagnosis.unexplained,
         steps=steps(found.steps),
         gate=validity(found.gate),
-        where=localisation(found.where),
+        where=localisation(found.where, found.sensor),
         unknown=unexplained(found.left, found.learned) if found.left else None,
         sensor=sensor(found.sensor) if found.sensor is not None else None,
         provenance=provenance,

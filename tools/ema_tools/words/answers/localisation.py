@@ -6,6 +6,7 @@ from ema_tools.compare.comparison import UNITS, ErrorPart
 from ema_tools.compare.localisation import Block, Channel, Where
 from ema_tools.results import localisation as result
 from ema_tools.results.parts import Place
+from ema_tools.select.sensors import Suspect
 from ema_tools.words.sentences.comparison import place_name
 from ema_tools.words.sentences.localisation import sentence
 
@@ -13,11 +14,11 @@ from ema_tools.words.sentences.localisation import sentence
 _TERMS = 5
 
 
-def localisation(found: Where) -> result.Localisation:
-    """All of it."""
+def localisation(found: Where, sensor: Suspect | None = None) -> result.Localisation:
+    """All of it; `sensor`: whose own error explains it, where one does."""
     return result.Localisation(
         found.relative,
-        sentence(found),
+        sentence(found, sensor),
         tuple(map(_block, found.blocks)),
         tuple(map(_signal, found.channels)),
         tuple(map(_place, found.places)),

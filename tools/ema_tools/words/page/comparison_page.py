@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-import shlex
 from html import escape
 
 from ema_tools.results.comparison import BalanceErrorEntry
+from ema_tools.words.advice import after_comparison
 from ema_tools.words.page import figures, names, signals, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.gathered import Gathered, draw_curves
 from ema_tools.words.page.results import ShownComparison
-from ema_tools.words.page.sheet import Chapter, CommandLine, FirstScreen, Reply, document, kept, line_of, origin, read_sizes, table
+from ema_tools.words.page.sheet import Chapter, FirstScreen, Reply, document, kept, next_reply, origin, table
 from ema_tools.words.page.uplot import ABSENT, library
 
 _MODELS = {"model": "model as given"}
@@ -42,7 +42,9 @@ def part(page: Gathered, result: ShownComparison, identity: str) -> None:
 
 def first_screen(result: ShownComparison) -> FirstScreen:
     """The sentence and the answers: is what is left noise, where and when does the model fail, how far is it off, what next."""
-    return FirstScreen(_sentence(result), (_noise(result), _block(result), _moment(result), _off(result), _next(result)))
+    return FirstScreen(
+        _sentence(result), (_noise(result), _block(result), _moment(result), _off(result), next_reply(after_comparison(result.found)))
+    )
 
 
 def worst_block(result: ShownComparison) -> tuple[str, float] | None:
@@ -62,25 +64,30 @@ def _floor(one: BalanceErrorEntry) -> float | None:
     return floor if floor > 0.0 else None
 
 
-def _explained(result: ShownComparison) -> bool | None:
-    """Whether noise and method explain every equation; None where nothing says so."""
-    known = [one.excess_percent for one in result.found.balances.values() if one.excess_percent is not None]
-    return all(excess == 0.0 for excess in known) if known else None
-
-
 def _sentence(result: ShownComparison) -> str:
+    error = result.found.error
+    if error is not None and error.after is not None and error.floor is not None:
+        told = f"weighted error {words.number(error.after)}, noise level {words.number(error.floor)}"
+        if result.found.explained:
+            return f"The model explains the record: {told}."
+        largest = worst_block(result)
+        most = f"; {words.number(largest[1])} % unexplained in the {names.block(largest[0]).lower()}" if largest is not None else ""
+        return f"The model does not explain the record: {told}{most}."
     worst, rod = worst_block(result), result.channels.get("position_mm", (0.0, None))[1]
     moved = f"the rod position is off by {words.number(rod)} %" if rod is not None else "the rod does not move"
     if worst is None:
         return f"No equation can be weighed on this record; {moved}."
-    if _explained(result):
+    if result.found.explained:
         return f"The model explains the record as far as noise can tell; {moved}."
     return f"The model leaves {words.number(worst[1])} % unexplained in the {names.block(worst[0]).lower()}; {moved}."
 
 
 def _noise(result: ShownComparison) -> Reply:
     question = "Is what is left noise?"
-    explained, worst = _explained(result), worst_block(result)
+    explained, worst, error = result.found.explained, worst_block(result), result.found.error
+    if explained is not None and error is not None and error.after is not None and error.floor is not None:
+        told = f"{words.number(error.after / error.floor, 2)} times its noise level with today's CSJ and BLK"
+        return Reply(question, "Yes", told, "good") if explained else Reply(question, "No", told, "bad")
     floor = _floor(result.found.balances[worst[0]]) if worst is not None else None
     if explained is None or worst is None:
         return Reply(question, "Not told", "the result states no noise level")
@@ -96,7 +103,7 @@ def _block(result: ShownComparison) -> Reply:
         return Reply(
             question, "Not told", next((one.reason for one in result.found.balances.values() if one.reason), "no equation can be drawn")
         )
-    if _explained(result):
+    if result.found.explained:
         return Reply(question, "Nowhere", "no equation stands above its noise level", "good")
     weighs = names.BLOCKS[worst[0]][1] if worst[0] in names.BLOCKS else ""
     return Reply(question, names.block(worst[0]), f"{weighs}: {words.number(worst[1])} % of its measured side", "bad")
@@ -105,8 +112,8 @@ def _block(result: ShownComparison) -> Reply:
 def _moment(result: ShownComparison) -> Reply:
     question = "When?"
     worst = worst_block(result)
-    if _explained(result) or not result.where:
-        return Reply(question, "At no time in particular", "", "good" if _explained(result) else "")
+    if result.found.explained or not result.where:
+        return Reply(question, "At no time in particular", "", "good" if result.found.explained else "")
     of_block = [place for place in result.where if worst is not None and place.source == f"{worst[0]} balance"]
     first = (of_block or list(result.where))[0]
     shown = f"{first.by} {first.part}".strip() or first.name.partition(": ")[2] or first.name
@@ -122,18 +129,6 @@ def _off(result: ShownComparison) -> Reply:
     first = "position_mm" if "position_mm" in there else next(iter(there))
     others = [f"{names.signal(name).lower().split(',')[0]} {words.number(one[1] or 0.0)} %" for name, one in there.items() if name != first]
     return Reply(question, f"{names.signal(first)} {words.number(there[first][1] or 0.0)} %", ", ".join(others))
-
-
-def _next(result: ShownComparison) -> Reply:
-    question = "What next?"
-    line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
-    record = list(line.records[:1]) or ["RECORD.csv"]
-    if _explained(result):
-        return read_sizes(line)
-    ask = ["ema", "diagnose", line.actuator, *record, "--report", "diagnosis.html"]
-    return Reply(
-        question, "Ask what is missing", "with healthy records of the machine behind --healthy, where there are any", "", shlex.join(ask)
-    )
 
 
 def _where(result: ShownComparison, identity: str) -> str:

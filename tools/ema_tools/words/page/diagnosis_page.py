@@ -9,13 +9,13 @@ from html import escape
 from ema_tools.library.registry import separating
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
-from ema_tools.results.parts import together
+from ema_tools.results.parts import EXPLAINED, together
+from ema_tools.words.command_line import line_of
 from ema_tools.words.page import base_values, charts, heat, names, rest, where_pictures, workbench
 from ema_tools.words.page import signals as signal_section
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange, Value
 from ema_tools.words.page.first_screen import (
-    NEAR,
     TriedEffect,
     accepted,
     candidates,
@@ -28,7 +28,7 @@ from ema_tools.words.page.first_screen import (
     rungs,
     telling,
 )
-from ema_tools.words.page.sheet import Chapter, document, kept, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, document, kept, origin, table
 from ema_tools.words.page.uplot import ABSENT, library
 
 _SEVERITY = {"blocks": "blocks", "weakens": "weakens", "fine": "in order"}
@@ -318,7 +318,7 @@ def _noise_verdict(result: Diagnosed) -> str:
     said = f"The last model leaves {words.number(after)} {unit}; the noise level is {words.number(floor)}"
     if result.relative:
         said += ", which baseline runs have among each other"
-    if after <= NEAR * floor:
+    if after <= EXPLAINED * floor:
         return f"Yes: {said[0].lower()}{said[1:]}."
     return f"No: {said[0].lower()}{said[1:]}: {words.number(after / floor, 2)} times as much."
 

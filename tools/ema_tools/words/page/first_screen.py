@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import shlex
 from collections.abc import Collection
 from dataclasses import dataclass
 
@@ -12,20 +11,20 @@ from ema_tools.library.faults import FAULTS
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.localisation import BlockEntry
-from ema_tools.results.parts import EffectEntry, together
+from ema_tools.results.parts import EXPLAINED, EffectEntry
+from ema_tools.words.advice import advice_of
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
-from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, new_model, read_sizes
+from ema_tools.words.page.sheet import FirstScreen, Reply, next_reply
 from ema_tools.words.sentences.balance import MOSTLY
-from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES, separable, unexplained_by
+from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES, unexplained_by
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
 _WORSE = 1.05  # times an error, from which on it is told as worse [layout]
 NOT_ACCEPTED = " (not accepted)"
-NEAR = 1.1  # an error this close to the noise level is at it [judgement]
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,9 @@ class TriedEffect:
 
 def first_screen(result: Diagnosed) -> FirstScreen:
     """All of it."""
-    return FirstScreen(_sentence(result), (_holds(result), _where(result), _missing(result), _error(result), _next(result)))
+    return FirstScreen(
+        _sentence(result), (_holds(result), _where(result), _missing(result), _error(result), next_reply(advice_of(result.found)))
+    )
 
 
 def accepted(result: Diagnosed) -> list[EffectEntry]:
@@ -154,6 +155,7 @@ def _sentence(result: Diagnosed) -> str:
     if result.verdict == "missing":
         named = [one.name for one in accepted(result)]
         first = names.listed([names.display(named[0]), *map(names.within, named[1:])]) if named else "An effect"
+        first += "".join(f" or {names.within(rival)}" for rival in getattr(result.found, "rivals", ()))
         worn = f"; {names.listed(changed)}" if changed else f"; {names.listed(off)} off the data sheet" if off else ""
         mostly = _mostly_unexplained(result)
         least = f", and {mostly}" if mostly else ""
@@ -201,7 +203,7 @@ def _holds(result: Diagnosed) -> Reply:
     if floor is not None and before is not None:
         against += f", noise level {words.number(floor)}"
     if result.added:
-        near = after is not None and floor is not None and after <= NEAR * floor
+        near = after is not None and floor is not None and after <= EXPLAINED * floor
         return Reply(
             question,
             "With it, yes" if near else "Better with it",
@@ -364,12 +366,11 @@ def _error(result: Diagnosed) -> Reply:
     if result.verdict == "unknown" and after is not None:
         # no fall: what lowers the error is not accepted
         times = f", {words.number(after / floor, 2)} times the noise level" if floor else ""
-        return Reply(
-            question,
-            words.number(before),
-            "; ".join([*parts, f"the best candidate, not accepted, leaves {words.number(after)}{times}"]),
-            "bad",
+        validated = (
+            f", and {words.number(held)} → {words.number(later)} on the validation record" if held is not None and later is not None else ""
         )
+        told = f"the best candidate, not accepted, leaves {words.number(after)}{times}{validated}"
+        return Reply(question, f"{words.number(before)}, not explained", f"{parts[0]}; {told}", "bad")
     short = words.number(before) if after is None else f"{words.number(before)} → {words.number(after)}"
     if held is not None:
         fell = words.number(held) if later is None else f"{words.number(held)} → {words.number(later)}"
@@ -378,68 +379,8 @@ def _error(result: Diagnosed) -> Reply:
         parts.append("no validation record")
     if result.verdict == "adequate" and not faults(result) and result.relative and after is not None and not result.by_forces:
         parts.insert(1, "after: with what differs from day to day")
-    near = floor is not None and (after if after is not None else before) <= NEAR * floor
+    near = floor is not None and (after if after is not None else before) <= EXPLAINED * floor
     return Reply(question, short, "; ".join(parts), "good" if near else "")
-
-
-def _next(result: Diagnosed) -> Reply:
-    question = "What next?"
-    line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
-    healthy, record = line.again("--healthy"), list(line.records[:1]) or ["RECORD.csv"]
-    if result.added:
-        found = result.found
-        assert isinstance(found, Addition)
-        if found.recommended:
-            return Reply(
-                question,
-                "Diagnose with it again",
-                "until nothing is missing",
-                "",
-                shlex.join(["ema", "diagnose", found.actuator, *record, *healthy]),
-            )
-        return Reply(question, "Do not keep it", found.reason or "it is not recommended", "unsure")
-    if not _answerable(result):
-        wanted = next((one.next for one in result.remarks if one.severity == "blocks" and one.next), "")
-        return Reply(question, "Record again", wanted, "unsure")
-    if result.verdict == "adequate":
-        return read_sizes(line)
-    between = () if isinstance(result.found, Addition) else together(result.found.effects, result.found.rivals)
-    if result.verdict == "missing" and not result.by_forces and separable(between):
-        told = names.listed([names.within(name) for name in between]) + " explain this record equally well"
-        return Reply(
-            question,
-            "Record what separates them",
-            told,
-            "unsure",
-            shlex.join(["ema", "next", line.actuator, "--between", *between]),
-        )
-    if result.verdict == "missing" and accepted(result):
-        fitted = line.options.get("--fitted")
-        if fitted:
-            return Reply(question, "Diagnose with the new model", "", "", shlex.join(["ema", "diagnose", fitted[0], *record, *healthy]))
-        effects = [one.name for one in accepted(result)]
-        if isinstance(result.found, DiagnosisResult) and effects[0] in result.found.standing:
-            # the healthy records were made without it
-            return read_sizes(line)
-        if result.by_forces or effects[0].startswith("learned_"):
-            del effects[1:]
-        files = ["--fit", *(part for one in line.records or ("RECORD.csv",) for part in (one, "--fit"))][:-1]
-        add = ["ema", "add", line.actuator, *effects, *files, *healthy, *line.again("--holdout"), "-o", new_model(record[0], effects)]
-        return Reply(question, "Put it into the model", "then diagnose again", "", shlex.join(add))
-    found = result.found
-    if isinstance(found, DiagnosisResult) and found.sensor is not None:
-        return Reply(question, "Check the sensor", found.sensor.next, "unsure")
-    learned = found.unknown.learned if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult) and found.unknown is not None else None
-    if learned is not None and (not result.next_experiment or "ema add" in result.next_experiment):
-        add = ["ema", "add", line.actuator, learned.effect, "--fit", *record, *healthy, "-o", new_model(record[0], [learned.effect])]
-        return Reply(question, "Put it in as a learned table", "or write the effect where its physics is known", "", shlex.join(add))
-    told = result.next_experiment.removeprefix("Next: ")
-    pictures = told.removeprefix("look at the pictures (--report), and ")
-    return (
-        Reply(question, "Record again", told, "unsure")
-        if told == pictures and told
-        else Reply(question, "Look at the pictures", f"then {pictures}" if pictures else "", "unsure")
-    )
 
 
 def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:

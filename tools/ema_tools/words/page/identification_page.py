@@ -9,13 +9,15 @@ from collections.abc import Sequence
 from html import escape
 
 from ema_tools.data.actuator import Row, row_of
+from ema_tools.words.advice import advice_for_reason
+from ema_tools.words.command_line import line_of
 from ema_tools.words.page import figures, names, rest, signals, workbench
 from ema_tools.words.page import text as words
 from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.gauges import gauges, value_words
 from ema_tools.words.page.identification_screen import SHORT, first_screen_of, objective, shift_words, sizes_of
 from ema_tools.words.page.results import ShownIdentification
-from ema_tools.words.page.sheet import Chapter, document, kept, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, document, kept, origin, table
 from ema_tools.words.page.tables import beside_paper
 from ema_tools.words.page.uplot import ABSENT, library
 from ema_tools.words.sentences.identification import determined_words, table_sentence, values_sentence, without_sentence
@@ -56,7 +58,7 @@ def _objections(result: ShownIdentification) -> str:
     found = result.found
     parts = []
     for reason in result.reasons:
-        advice = _code(words.advice(reason))
+        advice = _code(advice_for_reason(reason))
         parts.append(f"<li>{_reason(reason)}.{f' {advice}' if advice else ''}</li>")
     said = {
         "fault": "Nothing: a shift exceeds its threshold with the stated confidence.",

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import math
-import re
-import shlex
-from collections.abc import Sequence
-from pathlib import Path
 
-from ema_tools.results.identification import MissingEffect
+from ema_tools.words.advice import UNUSABLE, after_identification
+from ema_tools.words.command_line import line_of
 from ema_tools.words.page import names
 from ema_tools.words.page import text as words
 from ema_tools.words.page.results import ShownEstimate, ShownIdentification
-from ema_tools.words.page.sheet import CommandLine, FirstScreen, Reply, line_of, new_model
+from ema_tools.words.page.sheet import FirstScreen, Reply, next_reply
 
 PLAIN = {"csj_Nm": "friction (CSJ)", "blk_mm": "backlash (BLK)"}
 _PLACE = {"csj_Nm": "friction", "blk_mm": "backlash"}
 SHORT = {"csj_Nm": "CSJ", "blk_mm": "BLK"}
 _WIDE, _NARROW = 10.0, 0.05  # %: half of an interval that leaves no decimals, and one [layout]
 _UM = 1000.0  # um in a mm [physics]
-# Beginning of a reason that says nothing of the model.
-_UNUSABLE = "nothing can be told from this record"
 # Why there is no verdict, by what objects to the module's answer.
 _WHY = {
     "unknown": "something is missing from the model that the library of effects does not know",
@@ -32,7 +27,9 @@ _WHY = {
 
 def first_screen_of(result: ShownIdentification) -> FirstScreen:
     """All of it."""
-    return FirstScreen(headline(result), (_holds(result), _where(result), _missing(result), _error(result), _next(result)))
+    return FirstScreen(
+        headline(result), (_holds(result), _where(result), _missing(result), _error(result), next_reply(after_identification(result.found)))
+    )
 
 
 def shift_words(one: ShownEstimate) -> tuple[str, str]:
@@ -81,7 +78,7 @@ def _why(result: ShownIdentification) -> str:
     """Why it is undecided, in plain words."""
     guard, effect = result.found.guard, result.found.missing_effect
     objection = guard.objection if guard is not None else None
-    if any(reason.startswith(_UNUSABLE) for reason in result.reasons):
+    if any(reason.startswith(UNUSABLE) for reason in result.reasons):
         return "nothing can be told from this record"
     if effect is not None and effect.name is not None:
         shown = names.within(effect.name)
@@ -185,95 +182,3 @@ def _error(result: ShownIdentification) -> Reply:
     return Reply(
         question, f"{words.number(before)} → {words.number(after)} µm", f"rms of the rod position; objective {objective(result)}", tone
     )
-
-
-def _next(result: ShownIdentification) -> Reply:
-    question = "What next?"
-    line = line_of(result.provenance.get("command", "")) or CommandLine("ACTUATOR.toml", ("RECORD.csv",), {})
-    healthy, record = line.again("--healthy"), list(line.records[:1]) or ["RECORD.csv"]
-    found = result.found
-    guard, effect = found.guard, found.missing_effect
-    objection = guard.objection if guard is not None else None
-    diagnose = shlex.join(["ema", "diagnose", line.actuator, *record, *healthy])
-    if result.verdict != "undecided":
-        told = _puts_it_in([found.sentence])
-        return (
-            Reply(
-                question,
-                "Put the effect into the model",
-                "then identify again: sizes hang on it",
-                "",
-                _written_next_to(record[0], effect, told),
-            )
-            if told and effect is not None
-            else _follow(question, result, line)
-        )
-    if any(reason.startswith(_UNUSABLE) for reason in result.reasons):
-        return Reply(question, "Record again", next(one for one in result.reasons if one.startswith(_UNUSABLE)), "unsure", diagnose)
-    if effect is not None and effect.name is not None:
-        if objection == "rival":
-            between = shlex.join(["ema", "next", line.actuator, "--between", "csj", effect.name])
-            return Reply(
-                question,
-                "Record what tells them apart",
-                f"this record does not tell {names.within(effect.name)} from a fault",
-                "unsure",
-                between,
-            )
-        told = _puts_it_in(result.reasons)
-        if told:
-            return Reply(
-                question, "Put it into the model", "then identify again with the new file", "", _written_next_to(record[0], effect, told)
-            )
-        bare = shlex.join(["ema", "identify", line.actuator, *record])
-        return Reply(question, "Ask without the healthy records", "they are of the machine without the effect", "unsure", bare)
-    if _sensor(result):
-        return Reply(question, "Check the sensor", "scale, zero and delay; then record again", "unsure", diagnose)
-    if objection in ("unknown", "signals") or (guard is None and not result.adequate):
-        return Reply(question, "Ask what is missing", "it looks at every signal", "", diagnose)
-    if objection in ("open", "healthy"):
-        # those there are and the new ones: the same command would say the same again
-        more = [*healthy, "MORE.csv"] if healthy else ["--healthy", "healthy_*.csv"]
-        again = ["ema", "identify", line.actuator, *record, *more]
-        return Reply(question, "Record more healthy runs", "on days that differ, and ask again beside them", "unsure", shlex.join(again))
-    advice = next((told for reason in result.reasons if (told := words.advice(reason))), "")
-    if not result.adequate:
-        return Reply(question, "Ask what is missing", advice.replace("`", ""), "", diagnose)
-    # the same command on the same record would say the same again
-    again = ["ema", "identify", line.actuator, "NEXT.csv", *(healthy or ["--healthy", "healthy_*.csv"])]
-    return Reply(question, "Record again, and ask", advice.replace("`", ""), "unsure", shlex.join(again))
-
-
-def _puts_it_in(told: Sequence[str]) -> str:
-    """The command that puts a missing effect into the model, where one of the sentences has it."""
-    return next((found[0] for one in told if (found := re.search(r"ema add .+?(?= puts it in)", one))), "")
-
-
-def _written_next_to(record: str, effect: MissingEffect, command: str) -> str:
-    """The command with a file name next to the record in the place of NEW.toml."""
-    return command.replace("-o NEW.toml", f"-o {shlex.quote(new_model(record, [effect.name or 'effect']))}")
-
-
-def _follow(question: str, result: ShownIdentification, line: CommandLine) -> Reply:
-    """What follows a verdict: its doubts first, then the unit over its dates."""
-    record = list(line.records[:1]) or ["RECORD.csv"]
-    guard, healthy = result.found.guard, line.again("--healthy")
-    if guard is None and result.found.table is None:
-        again = shlex.join(["ema", "identify", line.actuator, *record, *healthy])
-        return Reply(question, "Hold it against all signals", "this is what the onboard module says alone", "", again)
-    short = "Repair, and follow it" if result.verdict == "fault" else "Nothing; follow it"
-    kept = line.options.get("--json")
-    if kept:
-        follow = shlex.join(["ema", "report", kept[-1], "-o", "unit.html"])
-        return Reply(question, short, "over its dates: put the unit's earlier results before this one", "", follow)
-    # not kept so far: the same again, with a file named after the record
-    keep = [
-        "ema",
-        "identify",
-        line.actuator,
-        *record,
-        *line.again("--healthy", "--table", "--weight"),
-        "--json",
-        Path(record[0]).with_suffix(".json").name,
-    ]
-    return Reply(question, short, "over its dates: keep the result, then ema report draws it beside earlier ones", "", shlex.join(keep))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Sequence
 from html import escape
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.results.friction_map import MapPointEntry
+from ema_tools.words.advice import after_map
 from ema_tools.words.page import diagnosis_figures
 from ema_tools.words.page import text as words
 from ema_tools.words.page.diagnosis_results import Line, Picture
@@ -17,7 +17,7 @@ from ema_tools.words.page.figure_svg import figure_svg
 from ema_tools.words.page.gathered import Gathered
 from ema_tools.words.page.legend import LegendKey, switches
 from ema_tools.words.page.results import Mapped
-from ema_tools.words.page.sheet import Chapter, CommandLine, FirstScreen, Reply, document, line_of, origin, table
+from ema_tools.words.page.sheet import Chapter, FirstScreen, Reply, document, next_reply, origin, table
 
 _KEYS = (LegendKey("before", "before", "measured"), LegendKey("after", "after", "model"))
 
@@ -39,7 +39,9 @@ def part(page: Gathered, result: Mapped, identity: str) -> None:
 
 def first_screen(result: Mapped) -> FirstScreen:
     """The sentence and the answers: which speeds, how much friction and load, does the model ask for as much, what next."""
-    return FirstScreen(_sentence(result), (_range(result), _friction(result), _load(result), _agrees(result), _next(result)))
+    return FirstScreen(
+        _sentence(result), (_range(result), _friction(result), _load(result), _agrees(result), next_reply(after_map(result.found)))
+    )
 
 
 def off_model(result: Mapped) -> tuple[MapPointEntry, float]:
@@ -48,17 +50,12 @@ def off_model(result: Mapped) -> tuple[MapPointEntry, float]:
     return worst, worst.torque_Nm - worst.model_Nm
 
 
-def _outside(one: MapPointEntry) -> bool:
-    """Whether the model lies outside the 95 % interval of a speed's mean; where there is none, outside its band."""
-    low, high = one.interval95
-    low, high = (one.low_Nm, one.high_Nm) if low is None or high is None else (low, high)
-    return not low <= one.model_Nm <= high
-
-
 def _sentence(result: Mapped) -> str:
     ways = result.found.both_ways
     gap = off_model(result)[1]
-    model = f"the model is off by up to {words.number(abs(gap))} Nm" if any(map(_outside, result.found.points)) else "the model agrees"
+    model = (
+        f"the model is off by up to {words.number(abs(gap))} Nm" if any(one.outside for one in result.found.points) else "the model agrees"
+    )
     if not ways:
         return f"The drive's torque at {len(result.found.points)} speeds is known; {model}. Friction and load are not told apart."
     low, high = (words.number(at.friction_Nm) for at in (ways[0], ways[-1]))
@@ -99,22 +96,12 @@ def _load(result: Mapped) -> Reply:
 
 def _agrees(result: Mapped) -> Reply:
     question, points = "Does the model agree?", result.found.points
-    off = [one for one in points if _outside(one)]
+    off = [one for one in points if one.outside]
     one, gap = off_model(result)
     told = f"most at {_rpm(one.speed_rad_s)} rpm: {words.signed(gap, 2)} Nm beside the model's {words.number(one.model_Nm)} Nm"
     if not off:
         return Reply(question, "Yes", f"inside what is known of the mean at each speed; {told}", "good")
     return Reply(question, f"Not at {len(off)} of {len(points)} speeds", told, "bad" if 2 * len(off) > len(points) else "unsure")
-
-
-def _next(result: Mapped) -> Reply:
-    question = "What next?"
-    line = line_of(result.provenance.get("command", "")) or CommandLine(result.found.actuator, tuple(result.found.records), {})
-    if any(map(_outside, result.found.points)):
-        ask = ["ema", "diagnose", line.actuator, *line.records, "--method", "balance"]
-        return Reply(question, "Ask what is missing", "by the balance of forces, over all these records", "", shlex.join(ask))
-    ask = ["ema", "calibrate", line.actuator, *line.records, "-o", "calibrated.toml"]
-    return Reply(question, "Take the values over", "into the model of this machine", "", shlex.join(ask))
 
 
 def _pictures(result: Mapped, identity: str) -> str:

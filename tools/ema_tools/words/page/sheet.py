@@ -5,15 +5,13 @@ from __future__ import annotations
 import itertools
 import json
 import re
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
-from ema_tools.library.definitions import load_definitions
+from ema_tools.words.advice import Advice
 from ema_tools.words.page import workbench
 from ema_tools.words.page.uplot import library
 
@@ -22,12 +20,6 @@ _SCRIPTS = "script-src 'unsafe-inline'"
 # A head that begins with this stands over words, not over numbers.
 _LEFT = "<"
 _WORDS = ' class="words"'
-# Commands whose lines are taken apart, and those of their options that stand for themselves.
-_COMMANDS = {"diagnose", "add", "identify", "compare", "map"}
-_GREEDY = "--healthy"  # takes every word behind it, as the shell expands a pattern
-_NAMES = 100  # of one new file that are tried [layout]
-_ARGUMENTS = 2  # an actuator, and a record or an effect [layout]
-_FLAGS = {"--force", "--known", "--no-guard", "--exit-code"}
 # Of every page; further ones a page names itself.
 _STYLES = ("sheet.css", "gauges.css", "charts.css")
 _SCRIPTS_OF_ALL = ("sheet.js",)
@@ -64,71 +56,9 @@ class Chapter:
     listed: bool = True
 
 
-@dataclass(frozen=True)
-class CommandLine:
-    """A command line taken apart: actuator, records, and options by name."""
-
-    actuator: str
-    records: tuple[str, ...]
-    options: dict[str, tuple[str, ...]]
-
-    def again(self, *wanted: str) -> list[str]:
-        """Options as they were given."""
-        said: list[str] = []
-        for name in wanted:
-            values = self.options.get(name, ())
-            said += [name, *values] if name == _GREEDY and values else [part for value in values for part in (name, value)]
-        return said
-
-
-def line_of(command: str) -> CommandLine | None:
-    """The parts of a command line that compares, identifies, diagnoses, adds or maps; None where it is none of these."""
-    try:
-        tokens = shlex.split(command)
-    except ValueError:
-        return None
-    if len(tokens) < 3 or tokens[0] != "ema" or tokens[1] not in _COMMANDS:
-        return None
-    places: list[str] = []
-    options: dict[str, list[str]] = {}
-    rest = iter(tokens[2:])
-    takes_all = False
-    for token in rest:
-        if token in _FLAGS:
-            takes_all = False
-            continue
-        if token.startswith("-") and len(token) > 1:
-            name, has, value = token.partition("=")
-            options.setdefault(name, []).append(value if has else next(rest, ""))
-            takes_all = name == _GREEDY
-        elif takes_all:
-            options[_GREEDY].append(token)
-        else:
-            places.append(token)
-    # the last of them are the arguments, where these would be wanting
-    healthy = options.get(_GREEDY, [])
-    wanting = min(max(0, _ARGUMENTS - len(places)), max(0, len(healthy) - 1))
-    places += healthy[len(healthy) - wanting :]
-    del healthy[len(healthy) - wanting :]
-    if not places:
-        return None
-    effects = {row.name for row in load_definitions().effects}
-    words = [word for word in places[2:] if word not in effects]
-    records = (*words, *options.get("--fit", ())) if tokens[1] == "add" else tuple(places[1:])
-    return CommandLine(places[0], records, {name: tuple(values) for name, values in options.items()})
-
-
-def new_model(record: str, effects: Sequence[str]) -> str:
-    """Path of a new actuator file next to the record, named after the effects that it adds, that no file has yet."""
-    place = Path(record).with_name(f"with_{'_and_'.join(effects)}.toml")
-    names = (place, *(place.with_stem(f"{place.stem}_{number}") for number in range(2, _NAMES)))
-    return str(next((name for name in names if not name.exists()), place))
-
-
-def read_sizes(line: CommandLine) -> Reply:
-    """What follows where the model holds, on whatever page."""
-    ask = ["ema", "identify", line.actuator, *(line.records[:1] or ("RECORD.csv",)), *line.again("--healthy")]
-    return Reply("What next?", "Read CSJ and BLK", "friction and backlash with intervals, as the actuator reads them", "", shlex.join(ask))
+def next_reply(advice: Advice) -> Reply:
+    """The answer to what to do next."""
+    return Reply("What next?", advice.short, advice.more, advice.tone, advice.command)
 
 
 def document(

@@ -4,24 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ema_tools.plant.native import REASONS
 from ema_tools.words.sentences.sizes import ends_text
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-# What to do about a reason for an undecided verdict, by the module's bit.
-_ADVICE = {
-    1: "Let the session run to its end before reading its verdict.",
-    2: "Run `ema compare` on this record: it says in which block, at which frequency and speed the error sits.",
-    4: "Widen the bounds in the [search] table and run again.",
-    8: "Raise evaluation_budget in the [search] table and run again.",
-    16: "Record more chirps: four halve the standard error.",
-    32: "Record the reference chirp instead of this command.",
-    64: "Calibrate the healthy values again, on a record of this very actuator.",
-    128: "Use the command that the table was learned from, or learn it from records that reach as far as this one.",
-    256: "Run `ema diagnose` on this record with healthy ones: it says how sure the name is, and what stands beside it.",
-    512: "Run the ground test that the table was exported for, or export one for this command.",
-    1024: "Run the ground test again, without a sample missed.",
-}
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -65,11 +50,6 @@ def reduction(before: float, after: float) -> str:
 def duration(seconds: float) -> str:
     """A time span, e.g. `0.09 s`, `75 s`."""
     return f"{number(seconds, 2)} s"
-
-
-def advice(reason: str) -> str:
-    """What to do about one of the module's reasons; empty when nothing is known."""
-    return next((text for bit, text in _ADVICE.items() if REASONS[bit] == reason), "")
 
 
 def interval(low: float, high: float) -> str:

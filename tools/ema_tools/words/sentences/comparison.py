@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from ema_tools.compare.comparison import Comparison, ErrorPart
+from ema_tools.data.machine_state import FOUND
+from ema_tools.tasks.model_error import ModelError
+from ema_tools.words.sentences.sensors import sensor_sentence
 
 # What each balance holds.
 GROUPS = {
@@ -18,10 +21,32 @@ def place_name(place: ErrorPart) -> str:
     return f"{place.source}: {place.by} {place.part}" if place.by else f"{place.source}: {place.part}"
 
 
-def sentence(found: Comparison) -> str:
-    """The comparison in one sentence."""
+def error_sentence(record: str, error: ModelError) -> str:
+    """The weighted error of a model on a record, with the CSJ and BLK that it is reached with."""
+    values = [f"{FOUND[name].partition('_')[0].upper()} {value:.4g} {FOUND[name].partition('_')[2]}" for name, value in error.today.items()]
+    verb = "explains" if error.explains else "does not explain"
+    given = f" ({' and '.join(values)} today)" if values else ""
+    return f"The model {verb} {record}: weighted error {error.fitted:.4g}, noise level {error.noise_level:.4g}{given}."
+
+
+def sentence(found: Comparison, error: ModelError | None = None) -> str:
+    """The comparison: the weighted error first, then the balance that leaves most."""
     if found.unlike:
         return f"{found.record} tells nothing of the machine as it is: {'; '.join(found.unlike)}."
+    if error is None:
+        return _largest(found)
+    excess = max((balance.excess_percent for balance in found.balances.values() if not balance.reason), default=0.0)
+    first = error_sentence(found.record, error)
+    if error.explains:
+        return first
+    if error.sensor is not None:
+        told = sensor_sentence(error.sensor)
+        return f"{first} {told[:1].upper()}{told[1:]}."
+    return f"{first} {_largest(found) if excess > 0.0 else 'No balance by itself leaves more than sensor noise and method.'}"
+
+
+def _largest(found: Comparison) -> str:
+    """The balance with the largest unexplained part."""
     balances = found.balances
     there = {name: error for name, error in balances.items() if not error.reason}
     if not there:

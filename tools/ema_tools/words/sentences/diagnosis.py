@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.display_names import all_coded, coded, value_words, within
 from ema_tools.library.faults import FAULTS
-from ema_tools.library.registry import record_of, separating
+from ema_tools.library.registry import separable, separating
 from ema_tools.select.outcome import Named
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
@@ -47,12 +47,12 @@ def _said(found: Answer) -> str:
             would = all_coded(found.refuted, " and ")
             return (
                 f"{first}{would} would explain it, but nothing is missing on the record held out, as on a run of the healthy machine, and its error rises: "
-                f"nothing is recommended ({before})."
+                f"nothing is recommended ({_attempt(found)})."
             )
         if found.refuted:
             last = unexplained.sentence(found.left[0]) if found.left else ""
             told = f"{first}something is there, and {all_coded(found.refuted, ' and ')} would explain it, but not the record held out, whose error rises"
-            return f"{told}: no effect is recommended ({before}). {last}".strip()
+            return f"{told}: no effect is recommended ({_attempt(found)}). {last}".strip()
         fit = found.diagnosis.fit
         text = unexplained_by(fit.effects if fit is not None else (), found.errors.after, found.errors.floor)
         return f"{first}{text}. {unexplained.sentence(found.left[0]) if found.left else ''}".strip()
@@ -75,11 +75,6 @@ def _or_rivals(one: Named, rivals: Sequence[str]) -> str:
     return " or ".join([_words(one), *map(coded, rivals)]) + (" (equally well)" if rivals else "")
 
 
-def separable(names: Sequence[str]) -> bool:
-    """Whether a command may separate an effect from its rivals, which follow it."""
-    return bool(names) and not set(names) <= {names[0], *record_of(names[0]).inseparable}
-
-
 def separation(names: Sequence[str]) -> str:
     """What separates an effect from its rivals, which follow it."""
     if separable(names):
@@ -94,6 +89,17 @@ def unexplained_by(effects: Sequence[str], error: float, noise: float) -> str:
     if not effects:
         return f"No effect of the library explains it: none lowers the error, which is {times}"
     return f"No effect of the library explains it: the best candidate, {' and '.join(map(within, effects))}, leaves {times}"
+
+
+def _attempt(found: Answer) -> str:
+    """The errors of an attempt that is not recommended: no fall, since it does not hold."""
+    errors = found.errors
+    held = (
+        f"; with it the error of the record held out rises from {errors.holdout_before:.3g} to {errors.holdout_after:.3g}"
+        if errors.holdout_before is not None and errors.holdout_after is not None
+        else ""
+    )
+    return f"weighted error {errors.before:.3g}, floor {errors.floor:.3g}{held}"
 
 
 def _left(found: Answer) -> str:

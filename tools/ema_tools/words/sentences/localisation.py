@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from ema_tools.compare.comparison import TITLES
 from ema_tools.compare.localisation import Where
+from ema_tools.select.sensors import CLOCK, Suspect
 from ema_tools.words.sentences.comparison import GROUPS
 
 
-def sentence(found: Where) -> str:
-    """Where the model fails, in one sentence."""
+def sentence(found: Where, sensor: Suspect | None = None) -> str:
+    """Where the model fails, in one sentence; `sensor`: whose own error explains it, where one does."""
     blocks = found.blocks
     there = [block for block in blocks if not block.reason]
     against = "the healthy repeats" if found.relative else "sensor noise and method"
@@ -19,6 +21,11 @@ def sentence(found: Where) -> str:
     if not telling:
         return f"In {found.record} no balance shows more than {against} explain{without}."
     worst = telling[0]
+    if sensor is not None:
+        pattern = f", {worst.winner.words}" if worst.winner is not None else ""
+        used = f"{GROUPS[worst.name]} are weighed with it, so that the {worst.name} balance stands out"
+        what = "recorder's clock" if sensor.channel == CLOCK else f"sensor of the {TITLES[sensor.channel]}"
+        return f"The error is that of the {what}{pattern}; {used}."
     verb = "of the excess over the healthy repeats" if found.relative else "of what the model leaves unexplained"
     text = f"{100.0 * worst.share:.0f} % {verb} lies in the {worst.name} balance ({GROUPS[worst.name]}){without}"
     if worst.winner is not None:

@@ -5,22 +5,14 @@ from __future__ import annotations
 from rich.console import Console
 from rich.text import Text
 
-from ema_tools.results.addition import Addition
-from ema_tools.results.calibration import CalibrationResult
-from ema_tools.results.comparison import ComparisonResult
-from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
-from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
-from ema_tools.words import advice
+from ema_tools.words.advice import Advised, advice_of
 
 
-def say_next(
-    console: Console,
-    found: IdentificationResult | ComparisonResult | MapResult | Addition | DiagnosisResult | DiagnosisByBalanceResult | CalibrationResult,
-) -> bool:
+def say_next(console: Console, found: Advised) -> bool:
     """Prints the advice, unless a reason of the answer has the same command; returns whether there is a command."""
-    reply = advice.reply_to(found)
+    advice = advice_of(found)
     said = " ".join(found.reasons) if isinstance(found, IdentificationResult) else ""
-    if reply.command and reply.command not in said:
-        console.print(Text(advice.sentence(reply)))
-    return bool(reply.command)
+    if advice.arguments and advice.command not in said:
+        console.print(Text(advice.printed))
+    return bool(advice.arguments)

@@ -221,7 +221,8 @@ def identification(console: Console, found: IdentificationResult) -> None:
         say(console, sentence)
     say(
         console,
-        f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(found.residual_rms_mm, 3)} mm rms",
+        f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(found.residual_rms_mm, 3)} mm rms"
+        + ("" if found.error is None else f", weighted error {number(found.error.after)}, noise level {number(found.error.floor)}"),
     )
     say(
         console,
