@@ -230,7 +230,11 @@ def _where(result: Diagnosed) -> Reply:
     question = "Where does it fail?"
     if _sensor(result):
         return Reply(question, _suspected(result).capitalize(), "the signals are else as they should be", "bad")
-    found = telling(result)
+    found, reading = telling(result), None if isinstance(result.found, Addition) else result.found.where.reading
+    if reading is not None and found:
+        what = f"{names.signal(reading.channel).partition(',')[0]} {reading.words}"
+        title = names.suspected(reading.channel).capitalize() if reading.outside_mechanics else names.block(found[0].name)
+        return Reply(question, title, what, "bad" if result.verdict != "adequate" else "unsure")
     if result.added:
         return Reply(question, "Not asked", "ema diagnose with the new model says where")
     if not found:
