@@ -29,7 +29,9 @@ from ema_tools.results.workbench import BenchEntry, SpreadEntry, WeighedEntry
 POLICY = "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:"
 
 _MODULE = "ema.wasm"
-_ABSENT = f"The page has no workbench: {_MODULE} was not built. Install the packages clang and lld, build the project and write the page again."
+_ABSENT = (
+    f"The page has no workbench: {_MODULE} was not built. Install the packages clang and lld, build the project and write the page again."
+)
 # Values beside the effects': each with the share of the healthy value up to which its slider goes, and the bounds of its fit.
 _FAULTS = {
     "screw.csj_Nm": ("CSJ, static dry friction", ("search.csj_lower_Nm", "search.csj_upper_Nm")),
