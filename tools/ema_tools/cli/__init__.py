@@ -464,7 +464,6 @@ def diagnose(
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
     from ema_tools.words.answers.method import diagnosis
-    from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
 
     record, healthy = record_files(record, holdout), record_files(healthy, holdout)
@@ -490,7 +489,7 @@ def diagnose(
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
     result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)
-    result = with_next(replace(result, next_experiment=with_paths(result.next_experiment, actuator, record, healthy)))
+    result = with_next(result)
     save(json_path, result, force)
     _page(page, result, force)
     kept = fitted if found.recommended else None
