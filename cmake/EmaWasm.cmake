@@ -1,5 +1,5 @@
-# The module once more, for the browser: lib/ema.wasm, which the page's workbench runs. The same sources in float32, by clang and its wasm-ld, without any C library.
-# Where these are missing it is left out and said so; everything else works without it, and the page says that its workbench is not there.
+# The module for the browser: lib/ema.wasm, which the page's workbench runs. The same sources in float32, by clang and its wasm-ld, without any C library.
+# Without them it is not built, and the configuration and the page say what to install; everything else works.
 
 option(EMA_WASM "Compile the module to WebAssembly for the page's workbench, where clang and wasm-ld are found" ON)
 
@@ -31,15 +31,15 @@ if(EMA_WASM)
         endif()
     endforeach()
     if(NOT ema_wasm_compiler)
-        message(STATUS "ema.wasm is left out, and with it the page's workbench: it needs clang with wasm-ld (packages clang and lld)")
+        message(STATUS "ema.wasm is not built, so pages have no workbench: install clang and lld (apt-get install clang lld), then build again")
     endif()
 endif()
 
 if(ema_wasm_compiler)
     set(ema_wasm_folder "${CMAKE_CURRENT_SOURCE_DIR}/port/wasm")
     set(ema_wasm_desk "")
-    # what JavaScript asks of the desk: it reads recordings itself, and no single equations
-    foreach(file ema_desk ema_desk_actuator ema_desk_record)
+    # what JavaScript calls: it reads recordings and fits by itself
+    foreach(file ema_desk ema_desk_actuator)
         list(APPEND ema_wasm_desk "${CMAKE_CURRENT_SOURCE_DIR}/port/desk/${file}.c")
     endforeach()
     # The module in one piece, so that the compiler sees through the calls of a model step.
@@ -55,14 +55,10 @@ if(ema_wasm_compiler)
         set(ema_wasm_own "-DEMA_OWN_EFFECTS=\"${EMA_OWN_FOLDER}/own_effects.def\"")
     endif()
     set(ema_wasm_exports "")
-    foreach(name ema_desk_value_count ema_desk_option_count ema_desk_status_text ema_desk_check ema_desk_simulate ema_desk_objective
-                 ema_desk_search_default ema_wasm_identify ema_wasm_lend ema_wasm_size __heap_base)
+    foreach(name ema_desk_value_count ema_desk_option_count ema_desk_status_text ema_desk_check ema_desk_simulate __heap_base)
         list(APPEND ema_wasm_exports "-Wl,--export=${name}")
     endforeach()
-    # the one function that JavaScript gives; any other that is not there is an error
-    set(ema_wasm_imports "${CMAKE_BINARY_DIR}/wasm/imports.txt")
-    file(CONFIGURE OUTPUT "${ema_wasm_imports}" CONTENT "ema_wasm_progress\n" @ONLY)
-    file(GLOB_RECURSE ema_wasm_headers CONFIGURE_DEPENDS include/*.h include/ema/*.def src/*.h port/desk/*.h port/wasm/*.h)
+    file(GLOB_RECURSE ema_wasm_headers CONFIGURE_DEPENDS include/*.h include/ema/*.def src/*.h port/desk/*.h port/wasm/include/*.h)
     set(ema_wasm_output "${CMAKE_BINARY_DIR}/lib/ema.wasm")
     add_custom_command(
         OUTPUT "${ema_wasm_output}"
@@ -70,7 +66,7 @@ if(ema_wasm_compiler)
         # No file of the C library but the three headers beside the port; a stack that, when it overflows, traps and does not write over data.
         COMMAND "${ema_wasm_compiler}" --target=wasm32 -O3 -std=c11 -ffp-contract=off -fno-math-errno -mbulk-memory -fvisibility=hidden
                 -Wall -Wextra -Wconversion -nostdlib -isystem "${ema_wasm_folder}/include" ${ema_wasm_include} ${ema_wasm_own}
-                -Wl,--no-entry "-Wl,--allow-undefined-file=${ema_wasm_imports}" -Wl,--strip-all -Wl,--stack-first -Wl,-z,stack-size=262144 ${ema_wasm_exports}
+                -Wl,--no-entry -Wl,--strip-all -Wl,--stack-first -Wl,-z,stack-size=262144 ${ema_wasm_exports}
                 "${ema_wasm_module}" ${EMA_OWN_SOURCES} ${ema_wasm_desk} "${ema_wasm_folder}/ema_wasm.c" -o "${ema_wasm_output}"
         DEPENDS ${EMA_SOURCES} ${EMA_OWN_SOURCES} ${ema_wasm_desk} ${ema_wasm_headers} "${ema_wasm_folder}/ema_wasm.c" "${ema_wasm_module}"
         COMMENT "Compiling the module to WebAssembly" VERBATIM)

@@ -3,8 +3,10 @@
 foreach(library ema_desk32 ema_desk64)
     install(TARGETS ${library} COMPONENT wheel LIBRARY DESTINATION ema_tools/lib RUNTIME DESTINATION ema_tools/lib)
 endforeach()
-# The page's workbench, where the compiler for it is there.
-install(FILES "${CMAKE_BINARY_DIR}/lib/ema.wasm" COMPONENT wheel DESTINATION ema_tools/lib OPTIONAL)
+# The page's workbench, where its compiler was found.
+if(TARGET ema_wasm)
+    install(FILES "${CMAKE_BINARY_DIR}/lib/ema.wasm" COMPONENT wheel DESTINATION ema_tools/lib)
+endif()
 # And its charting library.
 find_package(Python3 3.11 COMPONENTS Interpreter REQUIRED)
 add_custom_target(wheel_page ALL

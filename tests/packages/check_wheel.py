@@ -47,8 +47,10 @@ def built(root: Path, work: Path) -> Path:
         for path in (root / folder).rglob("*")
         if path.is_file()
     }
+    # the page's workbench
+    wanted.add("ema_tools/lib/ema.wasm")
     missing = sorted(wanted - held)
-    expect(not missing, f"the wheel lacks {', '.join(missing[:5])}")
+    expect(not missing, f"the wheel lacks {', '.join(missing[:5])} (ema.wasm needs the packages clang and lld)")
     # benchmarks, truth plant, reference model, vectors and tests stay in the project
     built_here = ("ema_tools/lib/", wheels[0].name.split("-py3")[0] + ".dist-info/")
     foreign = sorted(name for name in held - wanted if not name.startswith(built_here))
@@ -98,6 +100,7 @@ def check(arguments: argparse.Namespace) -> str:
     expect(found["verdict"] == "missing" and first == "inverter_dead_time", f"a dead time is diagnosed as {found['verdict']}, {first}")
     page = (empty / "page.html").read_text(encoding="utf-8")
     expect("uPlot" in page and "charting library was not there" not in page, "the page has no curves")
+    expect("data-workbench" in page, "the page has no workbench")
     run([ema, "export", "reference", "-o", "ema_actuator_data.h"], empty)
     try:
         run([ema, "compare", "references", "today.csv"], empty)

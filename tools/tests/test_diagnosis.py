@@ -27,6 +27,7 @@ from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import Answer, answer
 from ema_tools.tasks.simulate import simulate_record
+from ema_tools.words.advice import with_next
 from ema_tools.words.answers.diagnosis import diagnosis
 from ema_tools.words.sentences.addition import reason
 from ema_tools.words.sentences.diagnosis import sentence
@@ -116,7 +117,7 @@ def test_the_record_held_out_confirms_it(hot: Answer) -> None:
 
 @pytest.mark.slow
 def test_the_answer_has_the_keys_that_programs_read(hot: Answer) -> None:
-    result = to_json(diagnosis(hot, {}))
+    result = to_json(with_next(diagnosis(hot, {})))
     assert result["verdict"] == "missing"
     assert {"name", "class", "parameters", "score", "limit", "accepted"} <= set(result["effects"][0])
     assert result["effects"][0]["class"][0] == "winding_heating"

@@ -15,8 +15,10 @@ import pytest
 from diagnosis_results import BINS, COMMAND, KINDS, diagnosis, diagnosis_page
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import read_record
+from ema_tools.results.diagnosis import DiagnosisResult
+from ema_tools.results.reading import result_of
 from ema_tools.tasks.workbench import bench
-from ema_tools.words.advice import read_sizes
+from ema_tools.words.advice import read_sizes, with_next
 from ema_tools.words.command_line import CommandLine, line_of
 from ema_tools.words.page import charts, comparison_page, first_screen, heat, names, sheet, signals, uplot
 from ema_tools.words.page import diagnosis_page as page_of
@@ -59,7 +61,7 @@ def said(data: dict[str, Any]) -> sheet.FirstScreen:
         ),
         (
             "unknown",
-            "The model does not hold. Something is there that the library of effects does not know.",
+            "The model does not hold. No effect of the library explains it: none lowers the error, which is 9.2 times the noise.",
             ("No", "Mechanics", "Not in the library", "48.0, not explained", "Look at the pictures"),
         ),
     ],
@@ -161,10 +163,37 @@ def test_a_record_that_cannot_answer_is_no_verdict() -> None:
 
 
 def test_effects_that_look_alike_are_to_be_told_apart_first() -> None:
-    data = diagnosis(
-        "missing", next_experiment="Next: ema next ACTUATOR --between stribeck_friction spring_load says which command tells them apart."
-    )
-    assert said(data).replies[-1].command == "ema next mine.toml --between stribeck_friction spring_load"
+    data = diagnosis("missing", rivals=["spring_load"])
+    replies = said(data).replies
+    assert replies[-1].command == "ema next mine.toml --between stribeck_friction spring_load"
+    assert replies[2].more.endswith("; spring load equally well")
+    found = result_of(data, "x")
+    assert isinstance(found, DiagnosisResult)
+    advised = with_next(found)
+    # one advice: in the verdict, in what is printed and in both keys of JSON
+    assert advised.next == (tuple(replies[-1].command.split()),)
+    assert advised.next_experiment == f"Next: record what separates them: {replies[-1].command}"
+
+
+def test_rivals_that_no_command_separates_leave_the_effect_to_be_added() -> None:
+    effects = [
+        {**one, "name": "constant_load", "class": ["constant_load", "coulomb_asymmetry"]} for one in diagnosis("missing")["effects"][:1]
+    ]
+    replies = said(diagnosis("missing", effects=effects, rivals=["coulomb_asymmetry"])).replies
+    assert replies[-1].command.startswith("ema add mine.toml constant_load ")
+
+
+def test_what_is_not_accepted_is_no_fall_of_the_error(tmp_path: Path) -> None:
+    data = diagnosis("unknown")
+    steps = [*data["steps"], {"effects": ["spring_load"], "added": "spring_load", "error_training": 6.0, "error_holdout": 19.0}]
+    data |= {"steps": steps, "error": {**data["error"], "before": 13.4, "after": 6.0, "holdout_before": 9.0, "holdout_after": 19.0}}
+    found = said(data)
+    assert found.replies[3].short == "13.4, not explained" and found.replies[3].tone == "bad"
+    assert "the best candidate, not accepted, leaves 6.00, 6.9 times the noise level" in found.replies[3].more
+    assert [name for name, _, _ in first_screen.rungs(parsed(data))][-1] == "spring_load (not accepted)"
+    assert "+ spring load (not accepted)" in diagnosis_page(tmp_path, data).read_text(encoding="utf-8")
+    alone = said({**data, "error": {**data["error"], "holdout_before": None, "holdout_after": None}})
+    assert "No effect of the library explains it: the best candidate, spring load, leaves 6.9 times the noise." in alone.sentence
 
 
 def test_a_validation_record_that_refutes_is_said() -> None:

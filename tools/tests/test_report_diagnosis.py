@@ -143,7 +143,7 @@ def test_page_is_well_formed_beside_other_results(tmp_path: Path) -> None:
 
 def test_unknown_is_drawn_with_what_can_be_flown(tmp_path: Path) -> None:
     text = words(page(tmp_path, made(verdict="unknown", effects=[], steps=[]), identified()))
-    assert "Something is there that the library of effects does not know." in text
+    assert "No effect of the library explains it: " in text
     assert "The unknown torque on the shaft repeats with position, against the motion" in text
     assert "Over position, against the motion:" in text and "learned friction (learned_friction), a table over position" in text
 

@@ -15,7 +15,7 @@ from ema_tools.select.baseline import gather
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.tasks.diagnose import answer
 from ema_tools.words.answers.diagnosis import diagnosis
-from ema_tools.words.sentences.diagnosis import next_step, sentence
+from ema_tools.words.sentences.diagnosis import record_next, sentence
 from support import chirp_record
 
 NOISE = {"position_mm": 0.002, "motor_position_mm": 0.002, "current_A": 0.03, "voltage_V": 0.01}
@@ -78,6 +78,6 @@ def test_the_answer_says_so_and_what_to_do() -> None:
     found = answer(reference_actuator(), replace(run(9), current_A=1.2 * np.asarray(run(9).current_A)), repeats())
     assert found.verdict == "unknown" and found.effects == ()
     assert "looks like the sensor of the current (current_A), not like the machine: it reads 1.2 times the signal" in sentence(found)
-    assert next_step(found) == "Next: check the sensor of the current (scale, zero, delay) and record again."
+    assert record_next(found) == "Next: check the sensor of the current (scale, zero, delay) and record again."
     told = diagnosis(found, {}).sensor
     assert told is not None and told.channel == "current_A"

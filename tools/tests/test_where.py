@@ -3,21 +3,45 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ema_tools.base.arrays import Reals
 from ema_tools.compare.axes import Axis, explained, foretold, hats, machine_state_of
+from ema_tools.compare.comparison import compare
 from ema_tools.compare.localisation import Where, binned, mean_record, where
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.fit.whitening import Whitener, lines_of
 from ema_tools.results.codec import to_json
 from ema_tools.words.answers.localisation import localisation
+from ema_tools.words.sentences.comparison import sentence as sentence_of_comparison
 from ema_tools.words.sentences.localisation import sentence
 from repeated_runs import WIDE, measured, repeats
 from support import chirp_record
+
+
+def wave(columns: Mapping[str, Reals], name: str) -> dict[str, Reals]:
+    """A column with an error of 5 um once per motor turn."""
+    turn_mm = 2.0 * np.pi * reference_actuator().lead_mm_per_rad
+    return {name: columns[name] + 0.005 * np.sin(2.0 * np.pi * columns["motor_position_mm"] / turn_mm)}
+
+
+def late(values: Reals) -> Reals:
+    """Two rows late, 2 ms."""
+    return np.concatenate((np.full(2, values[0]), values[:-2]))
+
+
+def close(text: str, words: str) -> bool:
+    """Whether a sentence has these words, its number within a tenth of what a scale, a zero or an amplitude differs by."""
+    number = re.search(r"\d+\.?\d*", words)
+    assert number is not None
+    found = re.search(re.escape(words[: number.start()]) + r"(\d+\.?\d*)" + re.escape(words[number.end() :]), text)
+    nominal = float(number[0]) - (1.0 if "times" in words else 0.0)
+    return found is not None and float(found[1]) - (1.0 if "times" in words else 0.0) == pytest.approx(nominal, rel=0.15)
 
 
 def found(changes: Mapping[str, float], text: str = "chirp") -> Where:
@@ -79,6 +103,56 @@ def test_standing_errors_drop_out_against_repeats_and_show_without() -> None:
     alone = where(other, measured({}, 99))
     assert sentence(alone).startswith("100 % of what the model leaves unexplained lies in the electrical balance")
     assert "proportional to current" in sentence(alone) and not alone.relative
+
+
+@pytest.mark.parametrize(
+    ("error", "signal", "blamed"),
+    [
+        (lambda r: wave(r, "motor_position_mm"), "motor position has an error that repeats once per motor turn (0.005 mm)", ""),
+        (lambda r: wave(r, "position_mm"), "rod position has an error that repeats once per motor turn (0.005 mm)", "kinematic"),
+        (lambda r: {"position_mm": 1.01 * r["position_mm"]}, "rod position reads 1.01 times the signal", "kinematic"),
+        (lambda r: {"current_A": 1.05 * r["current_A"]}, "current reads 1.05 times the signal", ""),
+        (lambda r: {"current_A": r["current_A"] + 0.1}, "current reads 0.1 A too high", ""),
+        (lambda r: {"position_mm": late(r["position_mm"])}, "rod position reads 2 ms late", "kinematic"),
+        (lambda r: {"motor_position_mm": late(r["motor_position_mm"])}, "motor position reads 2 ms late", ""),
+    ],
+    ids=["motor wave", "rod wave", "rod scale", "current scale", "current zero", "rod late", "motor late"],
+)
+def test_an_error_of_a_reading_is_no_mechanics(error: Callable[[dict[str, Reals]], dict[str, Reals]], signal: str, blamed: str) -> None:
+    record = measured({}, 99)
+    columns = {name: np.asarray(record.recorded(name)) for name in ("position_mm", "motor_position_mm", "current_A")}
+    record = record.with_columns(error(columns))
+    answer = where(reference_actuator(), record, repeats())
+    alone = chirp_record(reference_actuator()).with_noise(
+        dict.fromkeys(("position_mm", "motor_position_mm"), 0.002) | {"current_A": 0.03}, 9
+    )
+    alone = alone.with_columns(error({name: np.asarray(alone.recorded(name)) for name in columns}))
+    told, compared = sentence(answer), sentence_of_comparison(compare(reference_actuator(), alone))
+    # the pattern comes first, then the block
+    subject = re.split(" reads| has", signal)[0]
+    for text in (told, compared):
+        assert text.startswith(f"The {subject} "), text
+        assert "mechanical balance (" not in text, text
+    assert close(told, signal), told
+    assert (f"lies in the {blamed} balance" in told) if blamed else ("so its sensor is at fault and not the machine" in told)
+    entry = localisation(answer).reading
+    assert entry is not None and entry.outside_mechanics == (not blamed) and entry.sentence in told
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"screw.csj_Nm": 0.19, "screw.blk_mm": 0.05},
+        {"motor.torque_constant_Nm_per_A": 0.95 * reference_actuator()["motor.torque_constant_Nm_per_A"]},
+        {"effects.constant_load.torque_Nm": 0.015},
+        {"effects.cogging_torque.amplitude_Nm": 0.05, "effects.cogging_torque.periods": 1.0},
+        {"effects.winding_heating.rise_degC": 30.0},
+        {"effects.feedback_delay.delay_s": 1e-3},
+    ],
+)
+def test_a_change_of_the_machine_is_no_error_of_a_reading(changes: dict[str, float]) -> None:
+    assert found(changes).reading is None
+    assert compare(reference_actuator(), measured(changes, 99)).reading is None
 
 
 def test_place_of_a_jam_is_told() -> None:

@@ -1,8 +1,7 @@
-"""The workbench's engine: the module as WebAssembly in Node against the host's library, bit for bit; its texts and its reader against Python's."""
+"""The workbench's scripts in Node: the module against the host's library, bit for bit; fits and rankings against a diagnosis; texts and the reader against Python's."""
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -12,18 +11,19 @@ import numpy as np
 import pytest
 
 from ema_tools.data.actuator import Actuator, actuator_of, read_actuator, reference_actuator
-from ema_tools.data.records import Record, read_record, start_of
+from ema_tools.data.records import Record, read_record
 from ema_tools.design.typical import typical_change
 from ema_tools.fit.whitening import Whitener, counted, lines_of
 from ema_tools.library.definitions import Effect, load_definitions
-from ema_tools.plant.native import OUTPUTS, SearchSettings, library
+from ema_tools.plant.native import OUTPUTS, library
+from ema_tools.results.diagnosis import DiagnosisResult
+from ema_tools.results.reading import read_result
 from ema_tools.tasks.export import header_text
 from ema_tools.tasks.several_values import noise_of_signals
 from ema_tools.tasks.workbench import bench
 from ema_tools.words.page import workbench
-from host_program import PROGRAM, run
-from support import RECORDINGS, ROOT
-from workbench_support import columns, in_node, model, needs_module, needs_node, packed, search, unpacked, weights
+from support import RECORDINGS, ROOT, run_ema
+from workbench_support import columns, in_node, model, needs_module, needs_node, packed, page_data, unpacked
 
 TODAY = RECORDINGS / "story" / "today.csv"
 UNIT = RECORDINGS / "unit" / "unit.toml"
@@ -78,80 +78,79 @@ def test_every_effect_has_the_bits_of_the_host_library() -> None:
 
 @needs_node
 @needs_module
-def test_objective_and_fit_end_where_the_host_library_does() -> None:
-    sheet = reference_actuator()
-    record = read_record(TODAY, sheet)
-    noise = noise_of_signals(record)
-    actuator = sheet.changed({"effects.stribeck_friction.rise": 0.15})
-    weight = weights(noise)
-    settings = SearchSettings(
-        identified=("screw.csj_Nm", "screw.blk_mm", "stribeck_friction.rise"),
-        lower=(0.01, 0.0, 0.0), upper=(1.5, 0.1, 1.5), min_shift_percent=(5.0, 5.0, 5.0), weight=weight,
-    )  # fmt: skip
-    start = start_of(actuator, record)
-    jobs = [
-        {"kind": "objective", "model": model(actuator), "weight": weight, "start_mm": start, "record": columns(record)},
-        {"kind": "fit", "model": model(actuator), "search": search(settings)},
-        {"kind": "noise"},
-    ]
-    objective, fit, heard = (one["answer"] for one in in_node(jobs))
-    assert objective == library(32).objective(*actuator.arrays(), record.command_mm, record.table(), weight, start)
-    host = library(32).identify(*actuator.arrays(), record.command_mm, record.table(), settings)
-    assert fit["estimate"][:3] == [one.estimate for one in host.identified]
-    assert (fit["evaluations"], fit["objective_before"], fit["objective_after"]) == (
-        host.evaluations, host.objective_before, host.objective_after,
-    )  # fmt: skip
-    assert int(fit["random_state"]) == host.random_state and int(fit["model_steps"]) == host.model_steps
-    best = [lowest for _, _, lowest in fit["runs"]]
-    assert best == sorted(best, reverse=True) and best[-1] == fit["objective_after"]
-    assert heard == pytest.approx(noise, rel=1e-12)
-
-
-@needs_node
-@needs_module
-@PROGRAM
-def test_fit_of_both_faults_ends_where_the_c_program_does(tmp_path: Path) -> None:
+def test_a_bad_model_is_named() -> None:
     actuator = reference_actuator()
-    record = read_record(RECORDINGS / "case_a.csv", actuator)
-    settings = SearchSettings(
-        identified=("screw.csj_Nm", "screw.blk_mm"),
-        lower=(actuator["search.csj_lower_Nm"], actuator["search.blk_lower_mm"]),
-        upper=(actuator["search.csj_upper_Nm"], actuator["search.blk_upper_mm"]),
-        min_shift_percent=(5.0, 10.0),
-        weight=(1.0, 0.0, 0.0, 0.0),
-    )
-    (found,) = in_node([{"kind": "fit", "model": model(actuator), "search": search(settings), "record": columns(record)}])
-    assert run(tmp_path, "--json", "c.json", str(RECORDINGS / "case_a.csv")).returncode == 0
-    program = json.loads((tmp_path / "c.json").read_text(encoding="utf-8"))
-    fit = found["answer"]
-    # the program writes the digits that give a float32 back
-    single = [np.float32(program[name]["estimate"]) for name in ("csj_Nm", "blk_mm")]
-    assert [np.float32(one) for one in fit["estimate"][:2]] == single
-    assert np.float32(fit["objective_after"]) == np.float32(program["objective_after_mm2s"])
-    assert fit["evaluations"] == program["evaluations"] > 100
-
-
-@needs_node
-@needs_module
-def test_a_fit_can_be_stopped_and_a_bad_model_is_named() -> None:
-    actuator = reference_actuator()
-    record = read_record(RECORDINGS / "case_a.csv", actuator)
-    settings = SearchSettings(
-        identified=("screw.csj_Nm",), lower=(0.01,), upper=(1.5,), min_shift_percent=(5.0,), weight=(1.0, 0.0, 0.0, 0.0)
-    )
     bad = model(actuator)
     place = load_definitions().ids["motor.resistance_ohm"]
     bad["values"][place] = -1.0
-    jobs = [
-        {"kind": "fit", "model": model(actuator), "search": search(settings), "record": columns(record), "stop_after": 7},
-        {"kind": "simulate", "model": bad, "start_mm": 0.0},
-        {"kind": "fit", "model": model(actuator), "search": search(replace(settings, upper=(0.1,)))},
+    jobs: list[dict[str, Any]] = [
+        {"kind": "simulate", "model": bad, "start_mm": 0.0, "record": columns(read_record(RECORDINGS / "case_a.csv", actuator))},
         {"kind": "simulate", "model": model(actuator), "start_mm": 0.0},
+        {"kind": "noise"},
     ]
-    stopped, refused, outside, after = in_node(jobs)
-    assert len(stopped["answer"]["runs"]) == 7
+    refused, after, heard = in_node(jobs)
     assert refused["offender"] == place and refused["error"] == library(32).status_text(2)
-    assert "error" in outside and "answer" in after
+    assert "answer" in after
+    assert heard["answer"] == pytest.approx(noise_of_signals(read_record(RECORDINGS / "case_a.csv", actuator)), rel=1e-12)
+
+
+# Effects away from their usual values, as `ema simulate --set` takes them.
+_HIDDEN = {
+    "jam_spot": {"amplitude_Nm": 0.1, "place_mm": 0.4, "width_mm": 0.3},
+    "stribeck_friction": {"rise": 0.3, "speed_rad_s": 20.0},
+    "source_resistance": {"resistance_ohm": 0.1},
+    "cogging_torque": {"amplitude_Nm": 0.02, "periods": 12.0, "phase_rad": 1.0},
+    "pitch_ripple": {"ratio": 0.3, "phase_rad": 1.0},
+}
+
+
+def _simulated(folder: Path, effect: str) -> Path:
+    noise = "position_mm=0.002,current_A=0.03,motor_position_mm=0.0005,voltage_V=0.02"
+    sets = [part for field, value in _HIDDEN[effect].items() for part in ("--set", f"effects.{effect}.{field}={value}")]
+    made = run_ema("simulate", "reference", "--command", "chirp", "-o", folder / "today.csv", *sets, "--noise", noise)
+    assert made.code == 0, made.err
+    return folder / "today.csv"
+
+
+@needs_node
+@needs_module
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", ["jam_spot", "cogging_torque"])
+def test_a_fit_finds_all_values_of_an_effect_from_its_usual_ones(effect: str, tmp_path: Path) -> None:
+    entry = bench(reference_actuator(), read_record(_simulated(tmp_path, effect)))
+    assert entry is not None
+    job = page_data(entry)
+    (sought,) = (one for one in job["effects"] if one["name"] == effect)
+    values = list(job["data"]["model"]["values"])
+    for row in sought["rows"]:
+        values[row["id"]] = row["on"]
+    (found,) = in_node([{**job, "kind": "fit", "rows": [*job["rows"], *sought["rows"]], "effects": [sought], "values": values}])
+    fit = found["answer"]
+    assert fit["error"] < 1.01 and fit["errors"] == sorted(fit["errors"], reverse=True) and fit["errors"][-1] == fit["error"]
+    known = {row["field"]: fit["values"][row["id"]] for row in sought["rows"]}
+    assert known == {field: pytest.approx(value, rel=0.03) for field, value in _HIDDEN[effect].items()}
+
+
+@needs_node
+@needs_module
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", _HIDDEN)
+def test_the_ranking_agrees_with_a_diagnosis_of_the_same_record(effect: str, tmp_path: Path) -> None:
+    """In first place and error; a jam spot among all effects, the others among those that the diagnosis looked at most closely."""
+    asked = run_ema("diagnose", "reference", _simulated(tmp_path, effect), "--json", tmp_path / "found.json")
+    assert asked.code == 0, asked.err
+    found = read_result(tmp_path / "found.json")
+    assert isinstance(found, DiagnosisResult)
+    assert found.workbench is not None and [one.name for one in found.effects if one.accepted] == [effect]
+    job = page_data(found.workbench)
+    if effect != "jam_spot":
+        close = {one.name for one in found.effects[:6]}
+        job["effects"] = [one for one in job["effects"] if one["name"] in close]
+    (answer,) = in_node([{**job, "kind": "rank"}])
+    first = answer["answer"]["ranked"][0]
+    assert len(answer["answer"]["ranked"]) >= 4
+    assert (first["name"], first["edge"]) == (effect, [])
+    assert first["error"] == pytest.approx(found.error.after, rel=1e-4)
 
 
 _CHANGES: list[dict[str, float]] = [
@@ -185,7 +184,7 @@ def test_downloads_are_what_ema_writes(file: Path) -> None:
 
 @needs_node
 @pytest.mark.parametrize(("rows", "channels"), [(2000, 4), (2 * 3 * 5 * 7 * 11 + 1, 3), (1155, 1)])
-def test_what_is_left_is_weighed_as_a_diagnosis_weighs_it(rows: int, channels: int) -> None:
+def test_residuals_are_weighed_as_a_diagnosis_weighs_them(rows: int, channels: int) -> None:
     """Whatever number of rows and signals: even, odd, and one of which the last row is not turned into lines."""
     draw = np.random.default_rng(rows)
     target, simulated = draw.normal(0.0, 1.0, (2, channels, rows))
@@ -246,7 +245,7 @@ def test_csv_is_read_as_python_reads_it_and_refused_with_a_line_that_helps(tmp_p
         "": "holds no rows",
         _csv().replace("0.001,", "0.002,", 1): "not one period",
     }
-    jobs = [
+    jobs: list[dict[str, Any]] = [
         {"kind": "csv", "text": text, "file": "dropped.csv", "period_s": 0.001}
         for text in (good, "\ufeff" + good.replace("\n", "\r\n"), *bad)
     ]

@@ -17,7 +17,7 @@ from demo_run import demo_run
 from ema_tools.data.actuator import Actuator, actuator_of, read_actuator
 from ema_tools.data.records import Record, read_record, start_of, write_record
 from ema_tools.library.definitions import load_definitions
-from ema_tools.plant.native import CHANNELS, SearchSettings, library
+from ema_tools.plant.native import CHANNELS, library
 from ema_tools.tasks.export import header_text
 from ema_tools.words.page import write_report
 from in_browser import LAPTOP, PHONE, at_rest, first_paint_ms, hindrances, not_reached
@@ -103,13 +103,12 @@ def opened(made: Path, chromium: Any) -> Iterator[Bench]:
     assert bench.complaints == []
 
 
-def _host_error(actuator: Actuator, record: Record, state: dict[str, Any]) -> float:
-    """The error as the host's library has it, with the page's weights."""
-    weight = tuple(state["weight"])
-    objective = library(32).objective(*actuator.arrays(), record.command_mm, record.table(), weight, start_of(actuator, record))
-    assert state["objective"] == objective
-    count = sum(one > 0.0 for one in weight)
-    return float(np.sqrt(objective / (record.rows * record.period_s * count)) / state["noise"]["position_mm"])
+def _host_error(actuator: Actuator, record: Record, state: dict[str, Any], rod_alone: bool = False) -> float:
+    """The error of a model in multiples of white noise, from a simulation by the host's library."""
+    run = library(32).simulate(*actuator.arrays(), record.command_mm, start_of(actuator, record))
+    noise = {"position_mm": state["noise"]["position_mm"]} if rod_alone else state["noise"]
+    left = [(record.recorded(name).astype(np.float32) - getattr(run, name)) / level for name, level in noise.items()]
+    return float(np.sqrt(np.mean(np.square(left))))
 
 
 def _values(actuator: Actuator) -> list[float]:
@@ -182,54 +181,83 @@ def test_a_slider_redraws_at_once(opened: Bench) -> None:
     state = opened.state()
     assert state["redraws"] > 40
     assert state["median_ms"] <= _REDRAW_MS
-    told = re.search(r"redrawn in (\d+) ms", opened.page.locator(".bench-head .note").inner_text())
+    told = re.search(r"redrawn in (\d+) ms", opened.page.locator(".bench-body .note", has_text="redrawn").inner_text())
     # Half a millisecond is rounded up on the page and to even here.
     assert told and abs(int(told.group(1)) - state["median_ms"]) <= 0.5
 
 
-def _settings(state: dict[str, Any]) -> tuple[SearchSettings, list[float]]:
-    search, names = state["last"]["search"], list(load_definitions().ids)
-    settings = SearchSettings(
-        identified=tuple(names[place] for place in search["identified_id"]),
-        lower=tuple(search["identified_lower"]),
-        upper=tuple(search["identified_upper"]),
-        min_shift_percent=tuple(search["identified_min_shift_percent"]),
-        weight=tuple(search["weight"]),
-    )
-    return settings, state["last"]["from"]
-
-
-def test_a_fit_ends_at_the_optimum_of_the_library_bit_for_bit(opened: Bench) -> None:
+@pytest.mark.parametrize("rod_alone", [False, True])
+def test_a_fit_moves_all_values_of_an_effect_and_ends_at_an_optimum(rod_alone: bool, opened: Bench) -> None:
+    if rod_alone:
+        opened.page.get_by_label("Compare the rod position alone").check()
+    opened.page.get_by_label("Stribeck friction").first.check()
     record = read_record(_TODAY)
-    options = read_actuator(REFERENCE).arrays()[1]
-    seen = set()
-    for rod_alone in (True, False):
-        if rod_alone:
-            opened.page.get_by_label("Compare the rod position alone").check()
-        else:
-            opened.page.get_by_label("Compare the rod position alone").uncheck()
-            opened.page.get_by_label("Stribeck friction").first.check()
-        at_rest(opened.page)
-        opened.press("Fit ticked values")
-        opened.until("emaWorkbench.state().running || /^Fitted/.test(emaWorkbench.state().message)")
-        state = opened.settled()
-        assert state["message"].startswith("Fitted by the module's annealer"), state["message"]
-        settings, start = _settings(state)
-        assert settings.identified is not None and settings.weight is not None
-        seen.add(settings.identified)
-        assert (settings.weight == (1.0, 0.0, 0.0, 0.0)) is rod_alone
-        host = library(32).identify(np.array(start), options, record.command_mm, record.table(), settings)
-        last = state["last"]
-        assert last["estimate"][: len(host.identified)] == [one.estimate for one in host.identified]
-        assert (last["evaluations"], last["objective_after"]) == (host.evaluations, host.objective_after)
-        assert last["random_state"] == str(host.random_state)
-        # the page has the model that was found, and the error that goes with it
-        ids = load_definitions().ids
-        assert [state["values"][ids[one.name]] for one in host.identified] == [one.estimate for one in host.identified]
-        assert state["objective"] == pytest.approx(host.objective_after, rel=1e-6)
-    assert seen == {("screw.csj_Nm", "screw.blk_mm"), ("screw.csj_Nm", "screw.blk_mm", "stribeck_friction.rise")}
-    assert "model runs, logarithmic" not in opened.page.locator(".bench-message").inner_text()
+    before = opened.settled()
+    opened.press("Fit ticked values")
+    opened.until("emaWorkbench.state().running || /^Fitted/.test(emaWorkbench.state().message)")
+    state = opened.settled()
+    assert re.match(r"Fitted: error [\d.]+ before, [\d.]+ after \d+ model runs", state["message"]), state["message"]
+    ids = load_definitions().ids
+    fitted = ("screw.csj_Nm", "screw.blk_mm", *(f"stribeck_friction.{field}" for field in ("rise", "speed_rad_s", "shape")))
+    assert all(state["values"][ids[name]] != before["values"][ids[name]] for name in fitted)
     assert opened.page.locator(".bench-fall").get_attribute("aria-label").startswith("Error during the fit: ")
+
+    def host(values: list[float]) -> float:
+        return _host_error(read_actuator(REFERENCE).changed(_named(values)), record, state, rod_alone)
+
+    least = host(state["values"])
+    assert state["error"] == pytest.approx(least, rel=1e-9) and least < before["error"]
+    for name in fitted:
+        for factor in (0.9, 1.1):
+            moved = list(state["values"])
+            moved[ids[name]] *= factor
+            assert host(moved) > least, (name, factor)
+
+
+def _named(values: list[float]) -> dict[str, float]:
+    """Values of the model that are not the reference actuator's, by name."""
+    known = _values(read_actuator(REFERENCE))
+    return {name: values[place] for name, place in load_definitions().ids.items() if place < len(known) and values[place] != known[place]}
+
+
+def test_undo_steps_back_through_values_switches_and_fits(opened: Bench) -> None:
+    first = opened.state()
+    opened.page.get_by_label("CSJ, static dry friction, Nm", exact=True).fill("0.2")
+    opened.page.get_by_label("Stribeck friction").first.check()
+    switched = opened.settled()
+    opened.press("Fit ticked values")
+    opened.until("emaWorkbench.state().running || /^Fitted/.test(emaWorkbench.state().message)")
+    assert opened.settled()["values"] != switched["values"]
+    opened.press("Undo")
+    at_rest(opened.page)
+    state = opened.state()
+    assert (state["values"], state["error"]) == (switched["values"], switched["error"])
+    opened.page.keyboard.press("Control+z")
+    assert not opened.page.get_by_label("Stribeck friction").first.is_checked()
+    assert not opened.page.locator("#bench-effects-stribeck_friction-rise").is_visible()
+    # in a number's own field, too
+    opened.page.get_by_label("CSJ, static dry friction, Nm", exact=True).focus()
+    opened.page.keyboard.press("Control+z")
+    at_rest(opened.page)
+    state = opened.state()
+    assert (state["values"], state["error"], state["undone"]) == (first["values"], first["error"], 0)
+    assert opened.page.get_by_role("button", name="Undo", exact=True).is_disabled()
+
+
+@pytest.mark.parametrize("look", [LAPTOP, PHONE])
+def test_the_error_stays_in_view_beside_every_slider(look: dict[str, int], made: Path, chromium: Any) -> None:
+    context = chromium.new_context(offline=True, viewport=look)
+    bench = Bench(context.new_page()).open(made / "page.html")
+    for name in ("screw.csj_Nm", "motor.resistance_ohm"):
+        bench.page.locator(f"#bench-{name.replace('.', '-')}").scroll_into_view_if_needed()
+        bench.page.evaluate("window.scrollBy(0, 200)")
+        at_rest(bench.page)
+        box = bench.page.locator(".bench-error output").bounding_box()
+        assert box is not None and 0.0 <= box["y"] < 0.2 * look["height"]
+        # and nothing covers it
+        covered = "([x, y]) => !document.querySelector('.bench-error').contains(document.elementFromPoint(x, y))"
+        assert not bench.page.evaluate(covered, [box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]])
+    context.close()
 
 
 @pytest.mark.slow
@@ -285,11 +313,10 @@ def test_what_the_module_refuses_is_said(opened: Bench) -> None:
     assert opened.state()["message"].startswith("screw.csj_Nm: ")
     number.fill("0.2")
     opened.until("emaWorkbench.state().message === ''")
-    for label in ("fit Viscous friction", "fit Winding resistance"):
-        opened.page.get_by_label(label).check()
-    opened.page.get_by_label("Stribeck friction").first.check()
+    for label in ("fit CSJ, static dry friction", "fit BLK, backlash at the rod"):
+        opened.page.get_by_label(label).uncheck()
     opened.press("Fit ticked values")
-    assert opened.state()["message"].startswith("5 values are ticked; the module's annealer takes up to 4")
+    assert opened.state()["message"].startswith("Nothing is ticked")
     opened.press("Reset")
     assert actuator_of(opened.page.evaluate("emaWorkbench.texts.toml()"), "reference.toml") == read_actuator(REFERENCE)
 
@@ -442,8 +469,8 @@ def test_every_rung_is_loaded_though_some_of_its_values_have_no_slider(method: s
         assert set(told) == {name for name in hidden if step["values"][name] != given[ids[name.removeprefix("effects.")]]}
         unseen += len(told)
         if method == "simulation":
-            # the ladder takes off slight ripple and zeros, too, which no value of the model states
-            assert 0.995 * step["told_training"] <= state["error"] <= 1.1 * step["told_training"], step["added"]
+            # sensor zeros and slight effects, which no value states, are at their best here; in the ladder no farther than is credible
+            assert state["error"] == pytest.approx(step["told_training"], rel=2e-3), step["added"]
     assert unseen > 0 or method == "balance"
     # the file that is downloaded is the model that is seen
     written = actuator_of(bench.page.evaluate("emaWorkbench.texts.toml()"), "reference.toml")
@@ -476,10 +503,6 @@ def test_an_effect_switched_on_with_its_values_gives_the_error_that_ema_add_repo
 def test_a_fit_on_the_page_of_a_diagnosis_ends_at_its_noise_level(of_story: Any) -> None:
     bench, found = of_story("diagnose")
     bench.page.locator(".bench").get_by_label("Stribeck friction").first.check()
-    # beside both faults and the size the speed up to which it acts, which is not as usual here
-    bench.page.locator(".bench-row", has=bench.page.locator("#bench-effects-stribeck_friction-speed_rad_s")).locator(
-        "input[type=checkbox]"
-    ).check()
     bench.press("Fit ticked values")
     bench.until("/^Fitted/.test(emaWorkbench.state().message)")
     state = bench.settled()

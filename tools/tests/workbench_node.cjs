@@ -3,6 +3,7 @@ const fs = require("fs");
 const path = require("path");
 const given = JSON.parse(fs.readFileSync(0, "utf8"));
 const Engine = require(path.join(given.assets, "workbench_engine.js"));
+const Fit = require(path.join(given.assets, "workbench_fit.js"));
 const Text = require(path.join(given.assets, "workbench_text.js"));
 
 const unpacked = (text) => {
@@ -11,17 +12,41 @@ const unpacked = (text) => {
 };
 const packed = (list) => Buffer.from(list.buffer, list.byteOffset, list.byteLength).toString("base64");
 
+const all = (columns) => Object.fromEntries(Object.entries(columns).map(([name, text]) => [name, unpacked(text)]));
+// What is left of a record, as the page's worker makes it of the page's own data.
+const misfitOf = (desk, { data }, record) => {
+  const weighed = data.weighed && { ...data.weighed, target: all(data.weighed.target), weights: all(data.weighed.weights) };
+  const startMm = Engine.startOf(record, data.start.blk_upper_mm, data.start.noise_mm);
+  return Fit.misfitOf(desk, { model: data.model, startMm, record, noise: Engine.noiseOf(record), weighed, rodAlone: false });
+};
+
 const kinds = {
   simulate: (desk, job) => Object.fromEntries(Object.entries(desk.simulate(job.model, job.start_mm)).map(([name, list]) => [name, packed(list)])),
-  objective: (desk, job) => desk.objective(job.model, job.weight, job.start_mm),
-  fit: (desk, job) => {
-    const runs = [];
-    const found = desk.fit(job.model, job.search, (run, cost, best) => runs.push([run, cost, best]) >= (job.stop_after ?? Infinity));
-    return { ...found, random_state: String(found.random_state), model_steps: String(found.model_steps), runs };
+  // The error of values of the model, the zeros of the sensors at their best.
+  error: (desk, job, record) => {
+    const misfit = misfitOf(desk, job, record);
+    return job.values.map((values) => {
+      const left = misfit.residual(values);
+      return misfit.error(misfit.cost(values, left, misfit.bestZeros(left)));
+    });
+  },
+  rank: (desk, job, record) => {
+    const misfit = misfitOf(desk, job, record);
+    const base = Fit.based(misfit, job.rows, job.data.model.values);
+    const found = job.effects.map((effect) => Fit.withEffect(misfit, base, effect)).filter((one) => one);
+    return { base: misfit.error(base.cost), runs: misfit.runs, ranked: Fit.inOrder(found).map(({ name, error, values, edge }) => ({ name, error, values, edge })) };
+  },
+  fit: (desk, job, record) => {
+    const errors = [];
+    const misfit = misfitOf(desk, job, record);
+    const found = Fit.fitted(misfit, job.rows, job.effects, job.values ?? job.data.model.values, (cost) => errors.push(misfit.error(cost)));
+    return { ...found, errors, runs: misfit.runs };
   },
   weighed: (desk, job) => {
-    const of = (columns) => Object.fromEntries(Object.entries(columns).map(([name, text]) => [name, unpacked(text)]));
-    return new Engine.Weighed(job.rows, of(job.target), of(job.weights)).error(of(job.simulated));
+    const lines = new Fit.Lines(job.rows, all(job.target), all(job.weights));
+    const simulated = all(job.simulated);
+    const left = lines.whiten(Object.fromEntries(lines.names.map((name) => [name, lines.target[name].map((value, row) => value - simulated[name][row])])));
+    return Math.sqrt(left.reduce((sum, value) => sum + value * value, 0) / lines.numbers);
   },
   noise: (desk, job, record) => Engine.noiseOf(record),
   csv: (desk, job) => {

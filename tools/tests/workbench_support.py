@@ -16,8 +16,9 @@ import pytest
 
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
-from ema_tools.library.definitions import load_definitions
-from ema_tools.plant.native import CHANNELS, SearchSettings
+from ema_tools.library.faults import FAULTS
+from ema_tools.results.workbench import BenchEntry
+from ema_tools.words.page import workbench
 from ema_tools.words.page.workbench import module_path
 
 ASSETS = Path(str(resources.files("ema_tools.words.page"))) / "assets"
@@ -61,21 +62,17 @@ def model(actuator: Actuator) -> dict[str, Any]:
     return {"values": values.tolist(), "options": options.tolist()}
 
 
-def search(settings: SearchSettings) -> dict[str, Any]:
-    """Settings of a fit, as the scripts hand them to the module."""
-    assert settings.identified and settings.lower and settings.upper and settings.min_shift_percent and settings.weight
-    ids = load_definitions().ids
-    return {
-        "identified_count": len(settings.identified),
-        "identified_id": [ids[name] for name in settings.identified],
-        "identified_lower": list(settings.lower),
-        "identified_upper": list(settings.upper),
-        "identified_min_shift_percent": list(settings.min_shift_percent),
-        "weight": list(settings.weight),
-    }
+def page_data(entry: BenchEntry) -> dict[str, Any]:
+    """A job for the scripts: the page's own data, with the record's columns and a diagnosis' weights as float64."""
+    data = workbench.payload(entry)
+    data["module"] = ""
+    if entry.weighed is not None:
+        for key, columns in (("target", entry.weighed.target), ("weights", entry.weighed.weights)):
+            data["weighed"][key] = {name: packed(_single(text)) for name, text in columns.items()}
+    faults = [row for row in data["rows"] if row["name"] in FAULTS.values()]
+    record = {name: packed(_single(text)) for name, text in entry.columns.items()}
+    return {"data": data, "record": record, "rows": faults, "effects": [one for one in data["effects"] if one["ranked"]]}
 
 
-def weights(noise: Mapping[str, float]) -> tuple[float, float, float, float]:
-    """1 on the rod position, the others by how noisy they are beside it."""
-    four = [(noise["position_mm"] / noise[name]) ** 2 if name in noise else 0.0 for name in CHANNELS]
-    return four[0], four[1], four[2], four[3]
+def _single(text: str) -> np.ndarray[Any, Any]:
+    return np.frombuffer(base64.b64decode(text), dtype="<f4")

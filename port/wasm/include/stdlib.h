@@ -1,4 +1,4 @@
-/* What the desk asks of <stdlib.h>; see ema_wasm.c. */
+/* What the desk asks of <stdlib.h>; what calls it is not in ema.wasm. */
 #ifndef EMA_WASM_STDLIB_H
 #define EMA_WASM_STDLIB_H
 

@@ -6,12 +6,13 @@ A Butterworth filter of fourth order, as if forward and backward, before differe
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ema_tools.balances.balance import Balance
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import MissingSignal
 from ema_tools.base.filters import butterworth, chebyshev, filtered, filtered_every, quick_length, shares_of
@@ -22,6 +23,7 @@ _EDGE_ROWS_MIN = 10  # and at least one period of the usual cutoff, for slow rec
 _ORDER = 4  # of the filter; run both ways it falls by the eighth power [judgement]
 _RATE_OVER_CUTOFF = 10  # rows per period of the cutoff: differences of rows are then derivatives to within 7 % at the cutoff [precision]
 _DECIMATOR = (8, 0.05)  # order and ripple in dB of the filter before rows are left out: 1 % of ripple, nothing folds back [precision]
+_WHOLE_BAND = 0.9  # of half the sample rate: a cutoff beyond takes nothing away [precision]
 _DECIMATOR_SHARE = 0.8  # of the new half sample rate, where that filter begins to fall [precision]
 _MEMORY = 100.0  # half periods of the cutoff after which either filter has forgotten a row, to 1e-7 [precision]
 _CUTOFF_MAX_HZ = 100.0  # far above what moves an actuator's rod, below most sensor noise [judgement]
@@ -113,6 +115,20 @@ class Smoother:
     def kept(self, values: NDArray[Any]) -> NDArray[Any]:
         """The rows at which `decimated` has its samples, without filtering, [samples]."""
         return self.inner(values)[:: self.every]
+
+
+def coarse(balance: Balance, smoother: Smoother) -> Balance:
+    """The balance at the mechanical one's rate, through the same filter: noise beyond it says nothing about an effect."""
+    step = float(balance.time_s[1] - balance.time_s[0])
+    every = round(smoother.period_s * smoother.every / step)
+    if every <= 1 or balance.time_s.size < 4 * every:
+        return balance
+    share = 2.0 * smoother.cutoff_hz * step
+
+    def kept(values: Reals) -> Reals:
+        return thinned(smoothed(values, share) if share < _WHOLE_BAND else values, every)
+
+    return replace(balance, time_s=balance.time_s[::every], measured=kept(balance.measured), residual=kept(balance.residual))
 
 
 @functools.cache

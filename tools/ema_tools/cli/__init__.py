@@ -212,7 +212,7 @@ def calibrate(
     """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.any_record import read_any_record, record_files
-    from ema_tools.data.machine_state import Baseline
+    from ema_tools.data.machine_state import BaselineRecords
     from ema_tools.data.records import Record
     from ema_tools.results.provenance import provenance
     from ema_tools.select.fixes import fixes_of
@@ -261,7 +261,7 @@ def calibrate(
     if own is not None:
         found = of_own_machine(found, own, measured)
     unit = found.actuator.changed({}, {"source": said})
-    replace(unit, baseline=Baseline.of(measured) if own is not None else None, findings=model.findings).write(out, force)
+    replace(unit, baseline=BaselineRecords.of(measured) if own is not None else None, findings=model.findings).write(out, force)
     result = with_next(replace(calibration(found, out, origin, own), method_reason=way.because))
     save(json_path, result, force)
     show.calibration(output(), result)
@@ -326,7 +326,7 @@ def identify(
     """
     from ema_tools.data.actuator import read_actuator
     from ema_tools.data.any_record import record_files
-    from ema_tools.data.machine_state import Baseline
+    from ema_tools.data.machine_state import BaselineRecords
     from ema_tools.data.records import read_record, simulated
     from ema_tools.plant.native import SearchSettings
     from ema_tools.plant.signatures_header import read_signatures
@@ -381,7 +381,7 @@ def identify(
             )
     if fitted:
         # the model as it is: today's values are a finding
-        kept = model.baseline or Baseline.of(references)
+        kept = model.baseline or BaselineRecords.of(references)
         machine = replace(model.changed({}), baseline=kept)
         replace(with_state(machine, model, (), (), measured, found.actuator, "identify"), baseline=kept).write(fitted, force)
     held = {"healthy": ", ".join(one.file for one in references)} if references else {}
@@ -464,7 +464,6 @@ def diagnose(
     from ema_tools.tasks.workbench import bench
     from ema_tools.words.advice import with_next
     from ema_tools.words.answers.method import diagnosis
-    from ema_tools.words.sentences.paths import with_paths
     from ema_tools.words.terminal import show
 
     record, healthy = record_files(record, holdout), record_files(healthy, holdout)
@@ -490,7 +489,7 @@ def diagnose(
     compared = ", ".join(one.file for one in references) or ("none" if isinstance(found, Answer) else "none, parts of the records")
     origin = provenance(command_line(), actuator=model.name, record=", ".join(one.file for one in records), healthy=compared)
     result = replace(diagnosis(found, origin, drawn, way.because), workbench=entry)
-    result = with_next(replace(result, next_experiment=with_paths(result.next_experiment, actuator, record, healthy)))
+    result = with_next(result)
     save(json_path, result, force)
     _page(page, result, force)
     kept = fitted if found.recommended else None

@@ -39,6 +39,7 @@ from ema_tools.tasks.model_error import model_error
 from ema_tools.tasks.objective_shape import shape_of
 from ema_tools.tasks.own_machine import of_own_machine, own_machine
 from ema_tools.tasks.workbench import bench
+from ema_tools.words.advice import with_next
 from ema_tools.words.answers.addition import addition
 from ema_tools.words.answers.calibration import calibration
 from ema_tools.words.answers.comparison import comparison
@@ -193,7 +194,7 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     drawn = curves(unit.today, before=simulated(found.evidence.actuator, unit.today), after=simulated(found.on_its_day, unit.today))
     asked = f"ema diagnose {unit.sheet_file} {unit.today_file} {unit.others_quoted}"
     missing = replace(diagnosis(found, _origin(unit, asked), drawn), workbench=bench(found.evidence.actuator, unit.today, found.evidence))
-    missing = replace(missing, next_experiment=with_paths(missing.next_experiment, unit.sheet_file, [unit.today_file]))
+    missing = with_next(missing)
     _write(folder / _ON_PAGE[0], missing)
     _say(output, missing.where.sentence)
     _say(output, missing.sentence)

@@ -17,6 +17,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.base.noise import white_noise
 from ema_tools.base.progress import Report
+from ema_tools.compare.readings import ReadingError, reading_against_model
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.plant.native import OUTPUTS, Simulation
@@ -88,7 +89,7 @@ class ErrorPart:
 @dataclass(frozen=True)
 class Comparison:
     """The whole answer on the record called `record`; `simulation` [rows] is what was compared with the record, None where nothing can be simulated; `unlike`: signals that are not this
-    machine's in sign or size, and what to do, in words."""
+    machine's in sign or size, and what to do, in words; `reading`: the error of one sensor's reading that explains what the balances leave."""
 
     record: str
     channels: dict[str, ChannelError]
@@ -96,6 +97,7 @@ class Comparison:
     where: tuple[ErrorPart, ...]
     simulation: Simulation | None
     unlike: tuple[str, ...] = ()
+    reading: ReadingError | None = None
 
 
 def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report | None = None) -> Comparison:
@@ -116,9 +118,14 @@ def compare(actuator: Actuator, record: Record, bits: int = 64, report: Report |
         difference = inner(measured - getattr(simulation, name))
         errors[name] = Balance(name, UNITS[name], inner(record.time_s), inner(measured), difference)
         channels[name] = ChannelError(errors[name].rms, errors[name].relative_percent)
-    found, balances = judged_balances(actuator, record, simulation, filter_of(actuator, record), report)
+    of_balances = filter_of(actuator, record)
+    found, balances = judged_balances(actuator, record, simulation, of_balances, report)
     where = _where(actuator, record, found, errors, balances)
-    return Comparison(record.file, channels, balances, where, simulation)
+    reading = None
+    if any(not one.reason and one.excess_percent > 0.0 for one in balances.values()):
+        floors = {name: math.hypot(one.noise_rms, one.method_rms) for name, one in balances.items()}
+        reading = reading_against_model(actuator, record, found, floors, of_balances)
+    return Comparison(record.file, channels, balances, where, simulation, reading=reading)
 
 
 def judged_balances(

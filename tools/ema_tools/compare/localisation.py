@@ -16,11 +16,12 @@ import numpy as np
 
 from ema_tools.balances.all import BALANCES, all_balances
 from ema_tools.balances.balance import Balance
-from ema_tools.balances.filtering import Smoother, smoothed, thinned
+from ema_tools.balances.filtering import Smoother, coarse, thinned
 from ema_tools.balances.mechanical import filter_of
 from ema_tools.base.arrays import Reals
 from ema_tools.compare.axes import Axis, MachineState, explained, fitted_energy, machine_state_of
 from ema_tools.compare.comparison import FLOOR_MARGIN, TITLES, ErrorPart, divided, judged_balances, states_of
+from ema_tools.compare.readings import ReadingError, reading_error
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, simulated
 from ema_tools.fit.nuisance import share_from_run_to_run
@@ -41,7 +42,6 @@ _WINNER_SHARE = 0.25  # a term that explains less of the excess is no descriptio
 _SLOW_RAD_S = 10.0  # near standstill: the speeds of a Stribeck bump [physics]
 _BINS = 24  # of a picture of means over an axis [layout]
 _POINTS_MAX = 1200  # of a picture: more are not told apart [layout]
-_WHOLE_BAND = 0.9  # of half the sample rate: a cutoff beyond takes nothing away [precision]
 _DIGITS = 5  # of numbers that only a picture needs [layout]
 _PLACES_MAX = 24  # of the list of where the error is largest [layout]
 # Lines per turn of the motor in the spectrum over angle: beyond, the balance's filter passes little [layout]
@@ -113,7 +113,7 @@ class Reference:
 @dataclass(frozen=True)
 class Where:
     """The whole answer on the record called `record`. `references`: by balance what healthy repeats say; `smoother`: the filter of all balances. `residuals`: by balance what is judged,
-    on coarse samples; `pictures`: data that the page draws."""
+    on coarse samples; `pictures`: data that the page draws; `reading`: the error of one sensor's reading that explains it."""
 
     record: str
     relative: bool
@@ -124,6 +124,7 @@ class Where:
     residuals: dict[str, Balance] = field(repr=False)
     references: dict[str, Reference] = field(repr=False)
     smoother: Smoother = field(repr=False)
+    reading: ReadingError | None = None
 
 
 def short(values: Reals) -> Series:
@@ -137,20 +138,6 @@ def mean_record(records: Sequence[Record]) -> Record:
     absent: dict[str, Any] = {name: None for name in records[0].present if name not in names}
     means = {name: np.mean([record.recorded(name) for record in records], axis=0) for name in names}
     return replace(records[0], **absent).with_columns(means)
-
-
-def coarse(balance: Balance, smoother: Smoother) -> Balance:
-    """The balance at the mechanical one's rate, through the same filter: noise beyond it says nothing about an effect."""
-    step = float(balance.time_s[1] - balance.time_s[0])
-    every = round(smoother.period_s * smoother.every / step)
-    if every <= 1 or balance.time_s.size < 4 * every:
-        return balance
-    share = 2.0 * smoother.cutoff_hz * step
-
-    def kept(values: Reals) -> Reals:
-        return thinned(smoothed(values, share) if share < _WHOLE_BAND else values, every)
-
-    return replace(balance, time_s=balance.time_s[::every], measured=kept(balance.measured), residual=kept(balance.residual))
 
 
 def terms_of(balance: str, motion: MachineState) -> dict[str, list[Reals]]:
@@ -278,7 +265,8 @@ def _usual(actuator: Actuator, name: str, at: MachineState) -> list[Reals]:
     return found
 
 
-_Judged = tuple[list[Block], dict[str, Balance], dict[str, Reference]]
+# Blocks, and by balance: what is judged, what healthy repeats say, and the rms of noise in what is judged.
+_Judged = tuple[list[Block], dict[str, Balance], dict[str, Reference], dict[str, float]]
 
 
 def _blocks_against_repeats(
@@ -287,7 +275,7 @@ def _blocks_against_repeats(
     """Blocks with share 0 yet, and their judged residuals. The mean is taken of the balances, not of the signals: a play takes noise to one side."""
     count = len(healthy)
     here, *repeats = (_coarsened(all_balances(actuator, like, smoother), smoother) for like in (record, *healthy))
-    blocks, residuals, references = [], {}, {}
+    blocks, residuals, references, noise = [], {}, {}, {}
     for name in BALANCES:
         mine, own = here[name], [repeat[name] for repeat in repeats]
         there = [one for one in own if isinstance(one, Balance)]
@@ -313,14 +301,14 @@ def _blocks_against_repeats(
         telling = loud or any(term.energy > limit and term.explained > _TERM_LEAST for term in terms)
         blocks.append(Block(name, mine.unit, judged.rms, floor, _relative(judged), 0.0, telling, terms))
         residuals[name] = judged
-        references[name] = Reference(middle, deviations, floor)
-    return blocks, residuals, references
+        references[name], noise[name] = Reference(middle, deviations, floor), floor
+    return blocks, residuals, references, noise
 
 
 def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother, motion: MachineState, lines: Sequence[Lines]) -> _Judged:
     """The same against the model, where noise and method are the floor."""
     found, errors = judged_balances(actuator, record, simulated(actuator, record), smoother)
-    blocks, residuals = [], {}
+    blocks, residuals, coarse_noise = [], {}, {}
     for name, one in _coarsened(found, smoother).items():
         if isinstance(one, str):
             blocks.append(_absent(name, one))
@@ -329,13 +317,14 @@ def _blocks_against_model(actuator: Actuator, record: Record, smoother: Smoother
         # noise is judged before the coarsening, which takes most of it away
         terms = _terms(one, motion, lines)
         floor = math.hypot(fine.noise_rms, fine.method_rms)
-        noise = one.residual.size * (floor * one.rms / fine.rms if fine.rms > 0.0 else floor) ** 2
+        coarse_noise[name] = floor * one.rms / fine.rms if fine.rms > 0.0 else floor
+        noise = one.residual.size * coarse_noise[name] ** 2
         telling = fine.rms > FLOOR_MARGIN * floor or any(
             term.explained > _TERM_SHARE and term.energy > 0.5 * noise and fine.rms > 1.05 * floor for term in terms
         )
         blocks.append(Block(name, one.unit, fine.rms, floor, fine.relative_percent, 0.0, telling, terms))
         residuals[name] = one
-    return blocks, residuals, {}
+    return blocks, residuals, {}, coarse_noise
 
 
 def _coarsened(found: dict[str, Balance | str], smoother: Smoother) -> dict[str, Balance | str]:
@@ -420,10 +409,12 @@ def where(
     motion = machine_state_of(actuator, record, smoother)
     lines = lines_of(motion, smoother)
     if mean is not None:
-        raw, residuals, references = _blocks_against_repeats(actuator, record, healthy, smoother, motion, lines)
+        raw, residuals, references, noise = _blocks_against_repeats(actuator, record, healthy, smoother, motion, lines)
     else:
-        raw, residuals, references = _blocks_against_model(actuator, record, smoother, motion, lines)
+        raw, residuals, references, noise = _blocks_against_model(actuator, record, smoother, motion, lines)
     blocks = _with_shares(raw)
+    fails = any(block.telling for block in blocks)
+    reading = reading_error(actuator, record, residuals, noise, smoother) if fails else None
     errors = _channel_residuals(actuator, record, mean)
     channels, units = _channels(record, healthy, mean, errors, whiten, whitened)
     places = _places(actuator, record, blocks, residuals, units, smoother)
@@ -438,6 +429,7 @@ def where(
         residuals,
         references,
         smoother,
+        reading,
     )
 
 

@@ -14,9 +14,10 @@ import numpy as np
 
 from ema_tools.balances.all import all_balances
 from ema_tools.balances.balance import Balance
+from ema_tools.balances.filtering import coarse
 from ema_tools.base.arrays import Reals
 from ema_tools.compare.axes import Axis, Halves, MachineState, explained, hats, machine_state_of
-from ema_tools.compare.localisation import Reference, Where, binned, coarse
+from ema_tools.compare.localisation import Reference, Where, binned
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.library.definitions import TableAxis

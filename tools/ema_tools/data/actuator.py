@@ -23,7 +23,7 @@ from ema_tools.base.arrays import Integers, Reals
 from ema_tools.base.errors import InputError, MissingSignal
 from ema_tools.base.files import one_line, read_text, readable, write_text
 from ema_tools.data.incomplete import NONE_OF_IT, WITHOUT, absent_sections, forgotten, is_incomplete, left_out
-from ema_tools.data.machine_state import BASELINE, Baseline, Finding, from_folder, taken_state, update_state
+from ema_tools.data.machine_state import BASELINE, BaselineRecords, RecordFinding, from_folder, taken_state, update_state
 from ema_tools.library.definitions import Definitions, EffectParameter, Parameter, defaults, load_definitions, shipped_folder
 from ema_tools.library.one_at_a_site import clash, taken_out
 
@@ -168,8 +168,8 @@ class Actuator:
     remarks: Mapping[str, str] = field(default_factory=dict, compare=False)
     absent: frozenset[str] = frozenset()
     scatter: Mapping[str, float] = field(default_factory=dict)
-    baseline: Baseline | None = field(default=None, compare=False)
-    findings: tuple[Finding, ...] = field(default=(), compare=False)
+    baseline: BaselineRecords | None = field(default=None, compare=False)
+    findings: tuple[RecordFinding, ...] = field(default=(), compare=False)
     drive_lag_s: float | None = None
 
     def __getitem__(self, name: str) -> float:

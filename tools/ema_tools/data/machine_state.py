@@ -45,7 +45,7 @@ class _File(Protocol):
 
 
 @dataclass(frozen=True)
-class Baseline:
+class BaselineRecords:
     """Records of the healthy machine: `files`, and the SHA-256 of each where it is known.
 
     `without`: effects of the model that these records do not have, where the model without them was fitted to the records; None where it was not.
@@ -56,7 +56,7 @@ class Baseline:
     without: tuple[str, ...] | None = None
 
     @classmethod
-    def of(cls, records: Iterable[_File], without: Sequence[str] | None = None) -> Baseline | None:
+    def of(cls, records: Iterable[_File], without: Sequence[str] | None = None) -> BaselineRecords | None:
         """The baseline that `records` make; None where there are none, or one was not read from a file."""
         given = list(records)
         if not given or not all(record.sha256 for record in given):
@@ -71,7 +71,7 @@ class Baseline:
 
 
 @dataclass(frozen=True)
-class Finding:
+class RecordFinding:
     """What `command` found on a later record of the machine; `values`: today's CSJ and BLK by full name."""
 
     record: str
@@ -80,8 +80,8 @@ class Finding:
     values: tuple[tuple[str, float], ...]
 
 
-def taken_state(content: dict[str, Any], file: str) -> tuple[Baseline | None, tuple[Finding, ...]]:
-    """Baseline and findings of a parsed file, taken out of `content`. Raises InputError that begins with `file`."""
+def taken_state(content: dict[str, Any], file: str) -> tuple[BaselineRecords | None, tuple[RecordFinding, ...]]:
+    """BaselineRecords and findings of a parsed file, taken out of `content`. Raises InputError that begins with `file`."""
     old = content.pop(_CALIBRATION, None)
     baseline = _baseline(content.pop(BASELINE, None), file)
     if old is not None:
@@ -90,7 +90,7 @@ def taken_state(content: dict[str, Any], file: str) -> tuple[Baseline | None, tu
             raise InputError(
                 f'{file}: [{_CALIBRATION}]: it holds {_HEALTHY} = ["RUN.csv", ...] and nothing else: calibrate again, or take it out'
             )
-        baseline = baseline or Baseline(tuple(files or ()))
+        baseline = baseline or BaselineRecords(tuple(files or ()))
     return baseline, _findings(content.pop(FINDINGS, []), file)
 
 
@@ -98,7 +98,7 @@ def _texts(value: object) -> bool:
     return isinstance(value, list) and all(isinstance(text, str) and text for text in value)
 
 
-def _baseline(table: object, file: str) -> Baseline | None:
+def _baseline(table: object, file: str) -> BaselineRecords | None:
     if table is None:
         return None
     wanted = f'[{BASELINE}]: it holds records = ["RECORD.csv", ...], sha256 with as many texts, and without = ["effect", ...]'
@@ -110,16 +110,16 @@ def _baseline(table: object, file: str) -> Baseline | None:
     unknown = set(without or ()) - {effect.name for effect in load_definitions().effects}
     if unknown:
         raise InputError(f"{file}: [{BASELINE}]: without: {min(unknown)} is no effect: ema effects lists them")
-    return Baseline(tuple(files), tuple(sums or ()), None if without is None else tuple(without))
+    return BaselineRecords(tuple(files), tuple(sums or ()), None if without is None else tuple(without))
 
 
-def _findings(rows: object, file: str) -> tuple[Finding, ...]:
+def _findings(rows: object, file: str) -> tuple[RecordFinding, ...]:
     if not isinstance(rows, list) or not all(isinstance(row, dict) and set(row) <= set(_FINDING_KEYS) for row in rows):
         raise InputError(f"{file}: [[{FINDINGS}]]: each holds {', '.join(_FINDING_KEYS)}: correct it, or take it out")
     return tuple(_finding(row, file) for row in rows)
 
 
-def _finding(row: dict[str, Any], file: str) -> Finding:
+def _finding(row: dict[str, Any], file: str) -> RecordFinding:
     texts = [row.get(key, "") for key in ("record", "sha256", "command")]
     numbers = {name: row[key] for name, key in FOUND.items() if key in row}
     for value in numbers.values():
@@ -127,10 +127,10 @@ def _finding(row: dict[str, Any], file: str) -> Finding:
             raise InputError(f"{file}: [[{FINDINGS}]]: {value} is no number: correct it, or take it out")
     if not all(isinstance(text, str) for text in texts):
         raise InputError(f"{file}: [[{FINDINGS}]]: record, sha256 and command are texts: put them in quotes")
-    return Finding(texts[0], texts[1], texts[2], tuple((name, float(value)) for name, value in numbers.items()))
+    return RecordFinding(texts[0], texts[1], texts[2], tuple((name, float(value)) for name, value in numbers.items()))
 
 
-def update_state(document: tomlkit.TOMLDocument, baseline: Baseline | None, findings: Sequence[Finding]) -> None:
+def update_state(document: tomlkit.TOMLDocument, baseline: BaselineRecords | None, findings: Sequence[RecordFinding]) -> None:
     """Write baseline and findings into a file's document, in place of those that it has."""
     if taken_state({key: document[key].unwrap() for key in (_CALIBRATION, BASELINE, FINDINGS) if key in document}, "") == (
         baseline,

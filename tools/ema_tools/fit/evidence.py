@@ -25,6 +25,7 @@ from ema_tools.data.records import Record
 from ema_tools.fit import nuisance as spreads
 from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.whitening import Whitener, counted
+from ema_tools.library.faults import effect_of
 from ema_tools.plant.native import library
 
 Seen = TypeVar("Seen")
@@ -113,7 +114,7 @@ class Evidence:
     cost that sensor noise alone has. `counting`: with repeats, the cost that counts of the sensors may add on another way than theirs;
     `freedom`: with repeats, the degrees of freedom to which these and the usual tell how far `spread` scatters.
     `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
-    of 1 each, such as the zero of a sensor; `granted`: effects that every machine has a little of and that are among them.
+    of 1 each, such as the zero of a sensor; `slight`: changes of the model `unit` that the last of them are, by effects that every machine has a little of.
     """
 
     actuator: Actuator
@@ -129,7 +130,13 @@ class Evidence:
     floor: float = 0.0
     counting: float = 0.0
     freedom: float = math.inf
-    granted: tuple[str, ...] = ()
+    slight: tuple[Mapping[str, float], ...] = ()
+    unit: Actuator | None = None
+
+    @property
+    def granted(self) -> tuple[str, ...]:
+        """Effects of `slight`."""
+        return tuple(dict.fromkeys(effect_of(next(iter(changes))) for changes in self.slight))
 
     @property
     def relative(self) -> bool:

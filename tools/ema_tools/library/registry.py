@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ema_tools.base.errors import LibraryError
 from ema_tools.library import effects
@@ -122,6 +122,11 @@ def learned_effect(balance: str, friction: bool = False) -> str:
 def effect_of_base_value(name: str) -> str:
     """The effect that is one with a base value of the mechanical balance."""
     return next(effect for effect, record in records().items() if record.base_value == name)
+
+
+def separable(names: Sequence[str]) -> bool:
+    """Whether a command may separate an effect from its rivals, which follow it; no command does where the library says so of all of them."""
+    return bool(names) and not set(names) <= {names[0], *record_of(names[0]).inseparable}
 
 
 def separating(names: Collection[str]) -> tuple[Measurement, ...]:

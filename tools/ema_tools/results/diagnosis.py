@@ -41,12 +41,12 @@ class DiagnosisResult:
     mode: Literal["against healthy repeats", "without healthy repeats"] = "against healthy repeats"
     cannot_see: str | None = None  # what this kind of evidence hides
     effects: tuple[EffectEntry, ...] = ()  # best first
+    rivals: tuple[str, ...] = ()  # effects or faults that explain the record as well as an accepted effect
     faults: dict[str, EffectEntry] = field(default_factory=dict)  # changes of csj and blk, by name
     standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
     # without healthy records: CSJ and BLK where they lie farther from the data sheet than units do
     unit_shift_percent: dict[str, float] = field(default_factory=dict)
     error: WeightedErrors
-    rivals: tuple[str, ...] = ()  # causes that explain the records as well as the accepted ones
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1
     steps: tuple[StepEntry, ...] = ()
@@ -234,6 +234,7 @@ class DiagnosisByBalanceResult:
     method_reason: str = ""  # why this method
     mode: Literal["laps of one record", "stretches of one record", "several records", "against healthy records"]
     effects: tuple[EffectEntry, ...] = ()  # accepted ones in the order of addition, then those that were refused
+    rivals: tuple[str, ...] = ()  # effects that explain the records as well as an accepted effect
     # with healthy records a changed csj, and a blk where both positions are recorded
     faults: dict[str, EffectEntry] = field(default_factory=dict)
     standing: dict[str, dict[str, float]] = field(default_factory=dict)  # effects that the healthy machine has, with their values
@@ -245,7 +246,6 @@ class DiagnosisByBalanceResult:
     error_unit: str
     floor_from: FloorFrom | None = None  # what error.floor is taken from
     forward: ForwardErrors | None = field(default=None, metadata=SPARE)
-    rivals: tuple[str, ...] = ()  # causes that explain the records as well as the accepted ones
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1; None where no floor is known
     # unknown for the reason alone that these records do not tell whether what is left, which is much, is chance

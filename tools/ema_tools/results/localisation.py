@@ -153,6 +153,21 @@ class Pictures:
 
 
 @dataclass(frozen=True)
+class ReadingEntry:
+    """The error of one sensor's reading that explains what the balances leave."""
+
+    channel: str
+    kind: Literal["zero", "scale", "delay", "wave"]
+    size: float  # of a zero, and the amplitude of a wave, in the signal's unit; of a scale relative; of a delay in s
+    periods: int  # of a wave per motor turn; 0 of the others
+    share_percent: float  # of the excess of the mechanical, electrical and kinematic balances
+    balances: tuple[str, ...]  # in which it shows
+    outside_mechanics: bool  # whether it shows in several balances, as a change of the machine does not
+    words: str  # what the signal does
+    sentence: str
+
+
+@dataclass(frozen=True)
 class Localisation:
     """Where the model fails on a record."""
 
@@ -162,3 +177,4 @@ class Localisation:
     channels: tuple[SignalErrorEntry, ...] = ()  # largest share first
     places: tuple[Place, ...] = ()  # most telling first
     pictures: Pictures = field(default_factory=Pictures)
+    reading: ReadingEntry | None = field(default=None, metadata=SPARE)  # None where no reading's error explains it

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ema_tools.results.codec import SPARE, Series, key
@@ -140,6 +141,16 @@ class EffectEntry:
     # of a changed CSJ or BLK: in % of the healthy machine's, with the ends of its 95 % interval
     shift_percent: float | None = field(default=None, metadata=SPARE)
     shift_interval95: tuple[float | None, float | None] | None = field(default=None, metadata=SPARE)
+
+
+def together(effects: Sequence[EffectEntry], rivals: Sequence[str]) -> tuple[str, ...]:
+    """The first accepted effect that has rivals, followed by them; empty where none has."""
+    accepted = [one for one in effects if one.accepted]
+    for one in accepted:
+        own = tuple(name for name in rivals if name in (*one.alike, *(one.looks_like_fault or ())) and name != one.name)
+        if own:
+            return (one.name, *own)
+    return (accepted[0].name, *rivals) if accepted and rivals else ()
 
 
 @dataclass(frozen=True)

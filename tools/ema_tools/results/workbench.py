@@ -8,12 +8,26 @@ from ema_tools.results.codec import SPARE
 
 
 @dataclass(frozen=True, kw_only=True)
+class SpreadEntry:
+    """Values that move together, by their full names: one standard deviation, as a share of each where `relative`, else in their unit."""
+
+    names: tuple[str, ...]
+    std: float
+    relative: bool
+
+
+@dataclass(frozen=True, kw_only=True)
 class WeighedEntry:
     """How a diagnosis weighs a record: its errors are the rms of what is left of `target`, each line of the spectrum times its weight. By channel, packed as columns are."""
 
     rows: int  # that are turned into lines
     target: dict[str, str]  # what the model should show, all rows of the record
     weights: dict[str, str]  # of the lines
+    spread: tuple[SpreadEntry, ...] = ()  # values that may move within a prior
+    zeros: dict[str, float] = field(default_factory=dict)  # standard deviation of each sensor's zero, in its unit
+    gains: dict[str, float] = field(default_factory=dict)  # standard deviation of each sensor's gain, relative
+    unit: dict[str, float] = field(default_factory=dict)  # values of the model that `gains` and `slight` change
+    slight: tuple[dict[str, float], ...] = ()  # one standard deviation of effects that every machine has a little of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -303,7 +303,8 @@ def _of_data_sheet(actuator: Actuator, record: Record, names: tuple[str, ...], g
             additive,
             start,
             floor=floor,
-            granted=tuple(dict.fromkeys(map(_effect_of, wanted))),
+            slight=tuple(wanted),
+            unit=unit,
         )
 
     # what a slight effect makes hangs on the unit's friction: first as the data sheet has it, then as the record shows it

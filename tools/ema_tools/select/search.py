@@ -23,7 +23,7 @@ from ema_tools.select.strategies.strategy import ALIKE, Strategy, begun_with
 # A size must differ from none by this many standard errors; what lowers the error without one mends the arithmetic of another
 # effect [chance]
 _SHOWN = 2.0
-_UNEXPLAINED = 0.1  # with more than this share of the excess left the answer is that something is missing, not what [judgement]
+UNEXPLAINED = 0.1  # with more than this share of the excess left the answer is that something is missing, not what [judgement]
 # ... but for one effect alone that no other comes near, of which its own form may leave more, and for friction or play, which are
 # what is watched: [measured]
 _OF_ITS_FORM, _OF_A_FAULT = 0.125, 0.35
@@ -239,7 +239,7 @@ def _unexplained(cost: float, strategy: Strategy) -> float:
 
 def _is_far(cost: float, strategy: Strategy) -> bool:
     """Whether so much is left that what explains the rest is no answer yet."""
-    return _unexplained(cost, strategy) > _UNEXPLAINED or strategy.is_no_answer(cost)
+    return _unexplained(cost, strategy) > UNEXPLAINED or strategy.is_no_answer(cost)
 
 
 def _alone(path: Path, strategy: Strategy) -> Fit | None:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_tools.compare.readings import LEAST_SHARE
 from ema_tools.fit.evidence import Evidence, settled
 from ema_tools.select.known_machine import KnownMachine, MachineFit
 
-_LEAST_SHARE = 0.9  # so much of the excess must be one sensor's for it to be suspected: physics shows in more than one signal [judgement]
 _TOLD_SHARE = 0.02  # a part of the error is told when it alone stands for so much of the excess [judgement]
 _FEWEST = 3  # of which two are left to agree with each other [judgement]
 VOLTAGE = "voltage_V"
@@ -55,7 +55,7 @@ def suspect(evidence: Evidence) -> Suspect | None:
         tall = np.column_stack(columns)
         sizes, *_ = np.linalg.lstsq(tall, here.residual, rcond=None)
         share = float(here.residual @ (tall @ sizes)) / excess
-        if share < _LEAST_SHARE or (best is not None and share <= best.share):
+        if share < LEAST_SHARE or (best is not None and share <= best.share):
             continue
         told = [float(np.sum((column * size) ** 2)) > _TOLD_SHARE * excess for column, size in zip(columns, sizes, strict=True)]
         offset, gain, late_s = (float(size) if tell else 0.0 for size, tell in zip(sizes, told, strict=True))
@@ -99,6 +99,6 @@ def _jitter(known: KnownMachine, base: MachineFit) -> Suspect | None:
     beside = np.sqrt(steep[1:] * steep[:-1])
     alike = float(np.sum(beside * late_s[1:] * late_s[:-1]) / np.sum(beside * late_s[1:] ** 2))
     share = explained / excess if excess > 0.0 else 0.0
-    if share < _LEAST_SHARE or abs(alike) > _EVENLY:
+    if share < LEAST_SHARE or abs(alike) > _EVENLY:
         return None
     return Suspect(CLOCK, min(share, 1.0), known.floor, 1.0, 0.0, float(np.sqrt(explained / np.sum(steep))))

@@ -9,7 +9,7 @@ from pathlib import Path
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.any_record import read_any_record
-from ema_tools.data.machine_state import FOUND, Baseline, Finding
+from ema_tools.data.machine_state import FOUND, BaselineRecords, RecordFinding
 from ema_tools.data.motion_records import AnyRecord, same_samples
 from ema_tools.data.records import Record, read_record
 from ema_tools.select.baseline import same_command
@@ -73,7 +73,7 @@ def with_state(
     if records:
         known = earlier.without or () if earlier is not None and earlier.covers(records) else ()
         active = machine.active_effects
-        baseline = Baseline.of(records, [effect for effect in dict.fromkeys((*known, *began)) if effect in active])
-    finding = Finding(record.path, record.sha256, command, tuple((name, today[name]) for name in FOUND if today.has(name)))
+        baseline = BaselineRecords.of(records, [effect for effect in dict.fromkeys((*known, *began)) if effect in active])
+    finding = RecordFinding(record.path, record.sha256, command, tuple((name, today[name]) for name in FOUND if today.has(name)))
     others = tuple(one for one in given.findings if one.sha256 != finding.sha256)
     return replace(machine, baseline=baseline, findings=(*others, finding) if record.sha256 else others)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -23,7 +24,7 @@ from ema_tools.select.healthy_records import check_against_all, check_apart, che
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
 from ema_tools.select.known_machine import KnownMachine, MachineFit
 from ema_tools.select.outcome import Diagnosis, Named
-from ema_tools.select.search import diagnose
+from ema_tools.select.search import UNEXPLAINED, diagnose
 from ema_tools.select.sensors import Suspect, odd_signal, suspect, without_voltage
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
@@ -69,6 +70,21 @@ class Answer:
     def faults(self) -> tuple[Named, ...]:
         """Accepted changes of CSJ and BLK."""
         return tuple(one for one in self.diagnosis.named if one.accepted and one.name in FAULTS)
+
+    @property
+    def rivals(self) -> tuple[tuple[str, ...], ...]:
+        """Each accepted effect that has rivals, followed by them: effects or faults that explain the record as well."""
+        found = [(one.name, *dict.fromkeys((*one.alike[1:], *self._near(one)))) for one in self.effects]
+        return tuple(names for names in found if len(names) > 1)
+
+    def _near(self, effect: Named) -> tuple[str, ...]:
+        """Effects whose fit alone leaves as much as that of `effect`, but for the noise of the cost, and would be an answer by itself."""
+        if self.diagnosis.named[0] is not effect:
+            # the others were judged jointly with the first
+            return ()
+        noise = math.sqrt(2.0 / self.evidence.numbers) * (self.diagnosis.cost_before - effect.score)
+        least = max((1.0 - UNEXPLAINED) * effect.score, effect.score - noise)
+        return tuple(one.name for one in self.diagnosis.named if not one.accepted and one.std and one.score >= least)
 
     @property
     def unit_shift(self) -> dict[str, float]:

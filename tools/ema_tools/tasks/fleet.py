@@ -21,7 +21,7 @@ from ema_tools import __version__
 from ema_tools.base.errors import InputError, LibraryError
 from ema_tools.base.files import readable, reason
 from ema_tools.data.actuator import Actuator, read_actuator
-from ema_tools.data.machine_state import Baseline
+from ema_tools.data.machine_state import BaselineRecords
 from ema_tools.data.manifest import Entry
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record, read_record
@@ -288,7 +288,9 @@ def unit_model(batch: Batch) -> Actuator:
     own = own_machine(calibrate(model, runs).actuator, runs)
     if own is None:
         return model
-    found = replace(own.actuator.changed({}), baseline=Baseline.of([replace(run, path=str(Path(run.path).resolve())) for run in runs]))
+    found = replace(
+        own.actuator.changed({}), baseline=BaselineRecords.of([replace(run, path=str(Path(run.path).resolve())) for run in runs])
+    )
     begun = kept.with_name(f".{kept.name}.{os.getpid()}")
     kept.parent.mkdir(parents=True, exist_ok=True)
     found.write(begun, force=True)

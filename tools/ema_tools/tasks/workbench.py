@@ -7,13 +7,15 @@ import base64
 import numpy as np
 
 from ema_tools.base.arrays import Reals
-from ema_tools.data.actuator import Actuator
+from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.design.typical import typical_change
 from ema_tools.fit.evidence import Evidence
+from ema_tools.fit.nuisance import GAIN_SHARE
 from ema_tools.fit.whitening import counted
 from ema_tools.library.definitions import load_definitions
-from ema_tools.results.workbench import BenchEntry, WeighedEntry
+from ema_tools.library.faults import FAULTS
+from ema_tools.results.workbench import BenchEntry, SpreadEntry, WeighedEntry
 from ema_tools.tasks.export import header_text
 
 # Longer records are left out: the page would grow beyond what a browser opens at once [layout]
@@ -49,7 +51,31 @@ def _weighed(evidence: Evidence) -> WeighedEntry:
         {name: _packed(values) for name, values in zip(evidence.channels, of, strict=True)}
         for of in (evidence.target, evidence.whiten.weights)
     )
-    return WeighedEntry(rows=counted(evidence.record.rows), target=target, weights=weights)
+    zeros, gains = {}, {}
+    # of the model as it stands, what a sensor's gain adds is no constant
+    for signals in evidence.additive[: len(evidence.additive) - len(evidence.slight)]:
+        place = int(np.argmax(np.max(np.abs(signals), axis=1)))
+        name = evidence.channels[place]
+        if np.ptp(signals[place]) > 0.0:
+            gains[name] = GAIN_SHARE[name]
+        else:
+            zeros[name] = float(signals[place, 0])
+    unit = evidence.unit
+    return WeighedEntry(
+        rows=counted(evidence.record.rows),
+        target=target,
+        weights=weights,
+        # beside baseline records CSJ and BLK are sought: they have no prior
+        spread=tuple(
+            SpreadEntry(names=one.names, std=one.std, relative=one.relative)
+            for one in evidence.spread
+            if not (evidence.relative and one.title in FAULTS.values())
+        ),
+        zeros=zeros,
+        gains=gains,
+        unit={} if unit is None else {name: unit[row_of(name).name] for one in evidence.spread for name in one.names},
+        slight=tuple(dict(changes) for changes in evidence.slight),
+    )
 
 
 def _packed(values: Reals) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ema_tools.library.display_names import listed, within
+from ema_tools.library.registry import separable
 from ema_tools.plant.native import REASONS
 from ema_tools.results.addition import Addition
 from ema_tools.results.calibration import CalibrationResult
@@ -21,7 +22,9 @@ from ema_tools.results.comparison import ComparisonResult
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
 from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
+from ema_tools.results.parts import together
 from ema_tools.words.command_line import CommandLine, line_of, new_model
+from ema_tools.words.sentences.paths import with_paths
 
 Advised = Addition | CalibrationResult | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult | MapResult
 _Stored = Addition | CalibrationResult | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult
@@ -74,8 +77,12 @@ class Advice:
 
 
 def with_next(found: Found) -> Found:
-    """The result with the argument lists of the advised commands; none where a record must be made first."""
+    """The result with the argument lists of the advised commands, none where a record must be made first; of a diagnosis the sentences name the same command."""
     advice = advice_of(found)
+    if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult):
+        line = _line(found)
+        told = with_paths(found.sentence, line.actuator, line.records, line.options.get("--healthy", ()))
+        found = replace(found, sentence=told, next_experiment=advice.printed if advice.arguments else found.next_experiment)
     return replace(found, next=(advice.arguments,) if advice.runs else ())
 
 
@@ -178,12 +185,11 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
     if found.verdict == "adequate":
         if not by_balance:
             return read_sizes(line.actuator, line, "--healthy")
-        return Advice("Nothing is to be added", _plain(found.next_experiment), "good")
-    between = re.search(r"ema next .+? --between ([\w ]+?) says", found.next_experiment)
-    if between is not None:
-        effects = between[1].split()
-        told = "this record does not tell " + listed([within(name) for name in effects]) + " apart"
-        return Advice("Record what tells them apart", told, "unsure", _ema("next", line.actuator, "--between", *effects))
+        return Advice("Nothing is to be added", found.next_experiment.removeprefix("Next: "), "good")
+    between = together(found.effects, found.rivals)
+    if found.verdict == "missing" and not by_balance and separable(between):
+        told = f"{listed([within(name) for name in between])} explain this record equally well"
+        return Advice("Record what separates them", told, "unsure", _ema("next", line.actuator, "--between", *between))
     accepted = [effect.name for effect in found.effects if effect.accepted]
     if found.verdict == "missing" and accepted:
         fitted = line.options.get("--fitted")
@@ -196,7 +202,8 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
             if found.error.explained and not by_balance:
                 return read_sizes(fitted[0], line)
             return Advice("Diagnose with the new model", "", "", again)
-        if "is in the actuator file already" in found.next_experiment:
+        if not by_balance and accepted[0] in found.standing:
+            # the healthy records were made without it
             return read_sizes(line.actuator, line, "--healthy")
         if by_balance and healthy:
             # ema add fits to the records of today alone
@@ -208,10 +215,14 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
     if isinstance(found, DiagnosisResult) and found.sensor is not None:
         return Advice("Check the sensor", found.sensor.next, "unsure")
     learned = found.unknown.learned if found.unknown is not None else None
-    if learned is not None and "ema add" in found.next_experiment:
+    if learned is not None and (not found.next_experiment or "ema add" in found.next_experiment):
         arguments = _ema("add", line.actuator, learned.effect, "--fit", record, *healthy, "-o", new_model(record, [learned.effect]))
         return Advice("Put it in as a learned table", "or write the effect where its physics is known", "", arguments)
-    return Advice("Look at the pictures", _plain(found.next_experiment), "unsure")
+    wanted = found.next_experiment.removeprefix("Next: ")
+    pictures = "look at the pictures (--report), and "
+    if wanted and not wanted.startswith(pictures) and not by_balance:
+        return Advice("Record again", wanted, "unsure")
+    return Advice("Look at the pictures", wanted.replace(pictures, "then "), "unsure")
 
 
 def _added(line: CommandLine, effects: Sequence[str]) -> tuple[str, ...]:
@@ -219,10 +230,6 @@ def _added(line: CommandLine, effects: Sequence[str]) -> tuple[str, ...]:
     files = [word for record in records for word in ("--fit", record)]
     options = line.again("--healthy", "--holdout")
     return _ema("add", line.actuator, *effects, *files, *options, "-o", new_model(records[0], effects))
-
-
-def _plain(sentence: str) -> str:
-    return sentence.removeprefix("Next: ").replace("look at the pictures (--report), and ", "then ")
 
 
 def after_identification(found: IdentificationResult) -> Advice:

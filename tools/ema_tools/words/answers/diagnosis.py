@@ -18,7 +18,7 @@ from ema_tools.words.answers.localisation import localisation
 from ema_tools.words.answers.steps import errors, field_of, sensor, steps
 from ema_tools.words.answers.unexplained import unexplained
 from ema_tools.words.answers.validity import validity
-from ema_tools.words.sentences.diagnosis import hidden, next_step, rivals, sentence
+from ema_tools.words.sentences.diagnosis import hidden, record_next, sentence
 
 # Effects that are listed.
 _LISTED = 12
@@ -35,12 +35,12 @@ def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None 
         mode="against healthy repeats" if relative else "without healthy repeats",
         cannot_see=hidden(found) or None,
         effects=tuple(_effect(one, found.diagnosis) for one in named[:_LISTED]),
+        rivals=tuple(dict.fromkeys(name for names in found.rivals for name in names[1:])),
         faults={one.name: _fault(one, found) for one in found.faults},
         standing=_standing(found) if relative else {},
         unit_shift_percent={field_of(name): 100.0 * shift for name, shift in found.unit_shift.items()},
         error=errors(found.errors),
-        rivals=rivals(found),
-        next_experiment=next_step(found),
+        next_experiment=record_next(found),
         unexplained=found.diagnosis.unexplained,
         steps=steps(found.steps),
         gate=validity(found.gate),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from ema_tools.compare.comparison import UNITS, ErrorPart
 from ema_tools.compare.localisation import Block, Channel, Where
+from ema_tools.compare.readings import ReadingError
 from ema_tools.results import localisation as result
 from ema_tools.results.parts import Place
 from ema_tools.select.sensors import Suspect
 from ema_tools.words.sentences.comparison import place_name
 from ema_tools.words.sentences.localisation import sentence
+from ema_tools.words.sentences.sensors import is_outside_mechanics, reading_sentence, reading_words
 
 # Terms of a balance that are listed.
 _TERMS = 5
@@ -23,6 +25,14 @@ def localisation(found: Where, sensor: Suspect | None = None) -> result.Localisa
         tuple(map(_signal, found.channels)),
         tuple(map(_place, found.places)),
         found.pictures,
+        _reading(found.reading) if found.reading is not None else None,
+    )
+
+
+def _reading(one: ReadingError) -> result.ReadingEntry:
+    words, said = reading_words(one), f"{reading_sentence(one)}."
+    return result.ReadingEntry(
+        one.channel, one.kind, one.size, one.periods, 100.0 * one.share, one.balances, is_outside_mechanics(one), words, said
     )
 
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
-from collections.abc import Collection
 from html import escape
 
 from ema_tools.library.registry import separating
 from ema_tools.results.addition import Addition
 from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResult
-from ema_tools.results.parts import EXPLAINED
+from ema_tools.results.parts import EXPLAINED, together
 from ema_tools.words.command_line import line_of
 from ema_tools.words.page import base_values, charts, heat, names, rest, where_pictures, workbench
 from ema_tools.words.page import signals as signal_section
@@ -26,6 +24,7 @@ from ema_tools.words.page.first_screen import (
     model_titles,
     next_best,
     own_form_leaves,
+    rung_words,
     rungs,
     telling,
 )
@@ -157,13 +156,14 @@ def _candidate(one: TriedEffect, values: tuple[Value, ...]) -> charts.Row:
 
 def _separates(result: Diagnosed) -> list[str]:
     """What would tell the named effect from the next best, and from what looks like it."""
-    rivals = next_best(result)
     named = accepted(result)
-    if not named:
+    if not named or isinstance(result.found, Addition):
         return []
-    pairs = [(named[0].name, other) for other in named[0].alike if other != named[0].name]
-    if not pairs and rivals is not None:
-        pairs = [(named[0].name, rivals[1].entry.name)]
+    first, *others = together(named, result.found.rivals) or (named[0].name,)
+    nearest = next_best(result)
+    if not others and nearest is not None:
+        others = [nearest[1].entry.name]
+    pairs = [(first, other) for other in others]
     line = line_of(result.provenance.get("command", ""))
     actuator = shlex.quote(line.actuator) if line is not None else "ACTUATOR.toml"
     told = []
@@ -230,12 +230,6 @@ def _loading(result: Diagnosed, any_loads: bool) -> list[str]:
     )
 
 
-def _rung_words(added: str, known: Collection[str]) -> str:
-    """What a rung adds: effects and faults by their display names, anything else as it was told."""
-    parts = re.split(r" and | \+ ", added)
-    return names.listed(list(map(names.within, parts))) if all(part in known for part in parts) else added
-
-
 def _ladder(result: Diagnosed) -> str:
     found = rungs(result)
     if not found:
@@ -250,7 +244,7 @@ def _ladder(result: Diagnosed) -> str:
     loads = [{}, *(step.loads for step in result.steps)]
     drawn = list(result.curves.models) if result.curves is not None else []
     for place, (name, here, held) in enumerate(found):
-        title = name if place == 0 else f"+ {_rung_words(name, known)}"
+        title = name if place == 0 else f"+ {rung_words(name, known)}"
         marks = [charts.Mark(here, "dot after", f"this record {words.number(here)}")]
         if held is not None:
             marks.append(charts.Mark(held, "diamond", f"{'held out' if result.by_forces else 'validation record'} {words.number(held)}"))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from ema_tools.library.faults import FAULTS
@@ -17,11 +19,12 @@ from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import FirstScreen, Reply, next_reply
 from ema_tools.words.sentences.balance import MOSTLY
-from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES
+from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES, unexplained_by
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
 _WORSE = 1.05  # times an error, from which on it is told as worse [layout]
+NOT_ACCEPTED = " (not accepted)"
 
 
 @dataclass(frozen=True)
@@ -164,12 +167,21 @@ def _sentence(result: Diagnosed) -> str:
             return f"The model does not explain this record: it looks as if the {_suspected(result)} is at fault."
         if _refuted(result):
             return "The model does not hold, but what would explain this record does not hold on the validation record: nothing is recommended."
-        return "The model does not hold. Something is there that the library of effects does not know."
+        candidate = _candidate(result)
+        return f"The model does not hold. {f'{unexplained_by(*candidate)}.' if candidate else 'No effect of the library explains it.'}"
     if changed:
         return f"No effect is missing, but the machine has changed: {names.listed(changed)}."
     if off:
         return f"The model holds with other values than the data sheet's: {names.listed(off)}."
     return "The model holds. Nothing is missing, and nothing has changed." if result.relative else "The model holds: nothing is missing."
+
+
+def _candidate(result: Diagnosed) -> tuple[tuple[str, ...], float, float] | None:
+    """The effects of the best candidate, the error that it leaves and the noise level; None by the balance of forces, or where no noise level is known."""
+    after, floor = result.errors.get("after", result.errors.get("before")), result.errors.get("floor")
+    if result.by_forces or after is None or not floor:
+        return None
+    return (result.steps[-1].effects if result.steps else ()), after, floor
 
 
 def _untellable(result: Diagnosed) -> bool:
@@ -218,7 +230,11 @@ def _where(result: Diagnosed) -> Reply:
     question = "Where does it fail?"
     if _sensor(result):
         return Reply(question, _suspected(result).capitalize(), "the signals are else as they should be", "bad")
-    found = telling(result)
+    found, reading = telling(result), None if isinstance(result.found, Addition) else result.found.where.reading
+    if reading is not None and found:
+        what = f"{names.signal(reading.channel).partition(',')[0]} {reading.words}"
+        title = names.suspected(reading.channel).capitalize() if reading.outside_mechanics else names.block(found[0].name)
+        return Reply(question, title, what, "bad" if result.verdict != "adequate" else "unsure")
     if result.added:
         return Reply(question, "Not asked", "ema diagnose with the new model says where")
     if not found:
@@ -258,11 +274,7 @@ def _missing(result: Diagnosed) -> Reply:
         if _sensor(result):
             return Reply(question, "Nothing of the library", "; ".join([f"the {_suspected(result)} explains it", *nearest]), "unsure")
         share = result.found.unexplained if not isinstance(result.found, Addition) else None
-        told = (
-            f"the best attempt leaves {100.0 * share:.0f} % of what is beyond noise"
-            if share is not None
-            else "no effect of the library explains it"
-        )
+        told = f"{100.0 * share:.0f} % of the excess stays unexplained" if share is not None else "no effect of the library explains it"
         return Reply(question, "Not in the library", "; ".join([told, *nearest]), "bad")
     first = named[0]
     told = ""
@@ -276,7 +288,9 @@ def _missing(result: Diagnosed) -> Reply:
         told += f"; {mostly}"
     told += "".join(f"; {part}" for part in own_form_leaves(result))
     rivals = next_best(result)
-    if rivals is not None and rivals[0].left and rivals[1].left:
+    if not isinstance(result.found, Addition) and result.found.rivals:
+        told += f"; {names.listed(list(map(names.within, result.found.rivals)))} equally well"
+    elif rivals is not None and rivals[0].left and rivals[1].left:
         told += (
             f"; next best, {names.within(rivals[1].entry.name)}, leaves {words.number(rivals[1].left / rivals[0].left, 2)} times its error"
         )
@@ -352,8 +366,16 @@ def _error(result: Diagnosed) -> Reply:
     )
     if before is None:
         return Reply(question, "Not known", "nothing was fitted")
-    short = words.number(before) if after is None else f"{words.number(before)} → {words.number(after)}"
     parts = ["% of the drive's force" if result.by_forces else "times the sensor noise"]
+    if result.verdict == "unknown" and after is not None:
+        # no fall: what lowers the error is not accepted
+        times = f", {words.number(after / floor, 2)} times the noise level" if floor else ""
+        validated = (
+            f", and {words.number(held)} → {words.number(later)} on the validation record" if held is not None and later is not None else ""
+        )
+        told = f"the best candidate, not accepted, leaves {words.number(after)}{times}{validated}"
+        return Reply(question, f"{words.number(before)}, not explained", f"{parts[0]}; {told}", "bad")
+    short = words.number(before) if after is None else f"{words.number(before)} → {words.number(after)}"
     if held is not None:
         fell = words.number(held) if later is None else f"{words.number(held)} → {words.number(later)}"
         parts.append(f"{'held out' if result.by_forces else 'validation record'} {fell}")
@@ -361,10 +383,6 @@ def _error(result: Diagnosed) -> Reply:
         parts.append("no validation record")
     if result.verdict == "adequate" and not faults(result) and result.relative and after is not None and not result.by_forces:
         parts.insert(1, "after: with what differs from day to day")
-    if result.verdict == "unknown" and after is not None:
-        left = f"the best attempt, which is not recommended, leaves {words.number(after)}"
-        validated = f" and {words.number(later)} on the validation record" if later is not None else ""
-        return Reply(question, f"{words.number(before)}, not explained", "; ".join([parts[0], f"{left}{validated}"]), "unsure")
     near = floor is not None and (after if after is not None else before) <= EXPLAINED * floor
     return Reply(question, short, "; ".join(parts), "good" if near else "")
 
@@ -374,8 +392,16 @@ def rungs(result: Diagnosed) -> list[tuple[str, float, float | None]]:
     if "before" not in result.errors:
         return []
     found = [("as given", result.errors["before"], result.errors.get("holdout_before"))]
-    found += [(step.added or " + ".join(step.effects), *step.read) for step in result.steps]
+    refused = NOT_ACCEPTED if result.verdict == "unknown" else ""
+    found += [(f"{step.added or ' + '.join(step.effects)}{refused if step.effects else ''}", *step.read) for step in result.steps]
     return found
+
+
+def rung_words(name: str, known: Collection[str]) -> str:
+    """What a rung adds: effects and faults by their display names, anything else as it is."""
+    plain = name.removesuffix(NOT_ACCEPTED)
+    parts = re.split(r" and | \+ ", plain)
+    return (names.listed(list(map(names.within, parts))) if all(part in known for part in parts) else plain) + name[len(plain) :]
 
 
 def model_titles(result: Diagnosed, curves: Curves) -> dict[str, str]:
@@ -387,5 +413,5 @@ def model_titles(result: Diagnosed, curves: Curves) -> dict[str, str]:
     elif result.verdict == "adequate":
         titles["after"] = "with today's values"
     elif result.verdict == "unknown":
-        titles["after"] = "best attempt, not recommended"
+        titles["after"] = "best candidate, not accepted"
     return {key: titles.get(key, key) for key in curves.models}

@@ -19,17 +19,19 @@ from typing import Any
 
 import numpy as np
 
-from ema_tools.data.actuator import Actuator, Row, actuator_of, scattering_rows, shown
+from ema_tools.data.actuator import Actuator, Row, actuator_of, row_of, scattering_rows, shown
 from ema_tools.library.definitions import Effect, EffectParameter, library_folder, load_definitions
 from ema_tools.library.display_names import value_words
 from ema_tools.library.registry import record_of
-from ema_tools.results.workbench import BenchEntry, WeighedEntry
+from ema_tools.results.workbench import BenchEntry, SpreadEntry, WeighedEntry
 
 # What a page that holds a workbench must allow beside its own scripts.
 POLICY = "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:"
 
 _MODULE = "ema.wasm"
-_ABSENT = f"The workbench is left out: {_MODULE} was not built. It needs clang with lld (packages clang and lld); then build the project and write the page again."
+_ABSENT = (
+    f"The page has no workbench: {_MODULE} was not built. Install the packages clang and lld, build the project and write the page again."
+)
 # Values beside the effects': each with the share of the healthy value up to which its slider goes, and the bounds of its fit.
 _FAULTS = {
     "screw.csj_Nm": ("CSJ, static dry friction", ("search.csj_lower_Nm", "search.csj_upper_Nm")),
@@ -41,6 +43,9 @@ _SHAPE_REACH = 6.0  # and from a share of a shape's usual value to as many times
 _OTHER_REACH = 3.0  # and alike of a value of the machine [judgement]
 _FAULT_REACH = 4.0  # and up to so many times a healthy value [judgement]
 _WHOLE = "periods"  # a value that is a whole number: tried, not fitted
+_PLACES = 21  # places along the recorded stroke where a fit of an effect with a place begins [effort]
+_PLACE_SCALE = 0.3  # of the stroke, in which a place is stepped [precision]
+_PHASE_SCALE = 0.5  # rad, the same of a phase [precision]
 
 
 def why_not(entry: BenchEntry | None, changes: Mapping[str, float] | None, by_forces: bool) -> str:
@@ -86,9 +91,9 @@ def markup(entry: BenchEntry, loads: Collection[str] = ()) -> str:
     if not module_path().is_file():
         return f'<p class="note">{escape(_ABSENT)}</p>'
     assets = resources.files("ema_tools.words.page") / "assets"
-    style, engine, text, plot, script = (
+    style, engine, fit, text, plot, script = (
         (assets / name).read_text(encoding="utf-8")
-        for name in ("workbench.css", "workbench_engine.js", "workbench_text.js", "workbench_plot.js", "workbench.js")
+        for name in ("workbench.css", "workbench_engine.js", "workbench_fit.js", "workbench_text.js", "workbench_plot.js", "workbench.js")
     )
     # `<` would let a text in the data end the script element.
     data = json.dumps(payload(entry, loads), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
@@ -97,7 +102,7 @@ def markup(entry: BenchEntry, loads: Collection[str] = ()) -> str:
         "What it shows is an error, not a verdict: effects that look alike fit alike, and <code>ema diagnose</code> judges.</p>"
         f'<div class="bench" data-workbench></div><noscript><p>The workbench needs JavaScript.</p></noscript><style>\n{style}</style>\n'
         f'<script type="application/json" id="workbench-data">{data}</script>\n'
-        f'<script id="workbench-engine">\n{engine}</script>\n<script>\n{text}{plot}{script}</script>'
+        f'<script id="workbench-engine">\n{engine}{fit}</script>\n<script>\n{text}{plot}{script}</script>'
     )
 
 
@@ -107,20 +112,21 @@ def payload(entry: BenchEntry, loads: Collection[str] = ()) -> dict[str, Any]:
     known = load_definitions()
     values, options = actuator.arrays()
     columns = {name: np.frombuffer(base64.b64decode(text), dtype="<f4") for name, text in entry.columns.items()}
-    reach_mm = float(np.max(np.abs(columns["command_mm"])))
+    stroke_mm = float(np.min(columns["position_mm"])), float(np.max(columns["position_mm"]))
     rows = [_fault(actuator, name) for name in _FAULTS] + [_other(actuator, name) for name in _OTHERS if actuator[name] > 0.0]
     effects = [
-        _effect(actuator, effect, entry.usual, reach_mm)
+        _effect(actuator, effect, entry.usual, stroke_mm)
         for effect in known.effects
         if not effect.is_learned or effect.name in actuator.active_effects
     ]
     shown_rows = {row["name"] for row in (*rows, *(row for effect in effects for row in effect["rows"]))}
+    moved = {*loads, *(name for one in (entry.weighed.spread if entry.weighed is not None else ()) for name in one.names)}
     return {
         "module": _deflated(module_path().read_bytes()),
         "model": {"values": values.tolist(), "options": options.tolist()},
         "rows": rows,
         "effects": effects,
-        "unseen": [_unseen(actuator, row) for name, row in _loadable().items() if name in loads and name not in shown_rows],
+        "unseen": [_unseen(actuator, row) for name, row in _loadable().items() if name in moved and name not in shown_rows],
         "start": {"blk_upper_mm": actuator["search.blk_upper_mm"], "noise_mm": actuator["verdict.position_noise_mm"]},
         "record": {
             "file": entry.record_file,
@@ -129,22 +135,48 @@ def payload(entry: BenchEntry, loads: Collection[str] = ()) -> dict[str, Any]:
             "rows": int(columns["command_mm"].size),
             "columns": {name: _deflated(_planes(column)) for name, column in columns.items()},
         },
-        "weighed": _weighed(entry.weighed),
+        "weighed": _weighed(actuator, entry.weighed),
         "actuator": {"name": actuator.name, "file": entry.actuator_file, "toml": entry.actuator, "header": entry.header},
         # the module's position in the list of a value that it refuses
         "names": list(known.ids),
     }
 
 
-def _weighed(weighed: WeighedEntry | None) -> dict[str, Any] | None:
-    """How a diagnosis weighs the record, packed as its columns are."""
+def _weighed(actuator: Actuator, weighed: WeighedEntry | None) -> dict[str, Any] | None:
+    """How a diagnosis weighs the record, packed as its columns are; values by their place in the model."""
     if weighed is None:
         return None
 
     def packed(columns: dict[str, str]) -> dict[str, str]:
         return {name: _deflated(_planes(np.frombuffer(base64.b64decode(text), dtype="<f4"))) for name, text in columns.items()}
 
-    return {"rows": weighed.rows, "target": packed(weighed.target), "weights": packed(weighed.weights)}
+    def placed(changes: Mapping[str, float]) -> list[tuple[int, float]]:
+        return [(load_definitions().ids[row_of(name).name], value) for name, value in changes.items()]
+
+    return {
+        "rows": weighed.rows,
+        "target": packed(weighed.target),
+        "weights": packed(weighed.weights),
+        "spread": [_spread(actuator, one) for one in weighed.spread],
+        "zeros": weighed.zeros,
+        "gains": weighed.gains,
+        "unit": placed(weighed.unit),
+        "slight": [placed(changes) for changes in weighed.slight],
+    }
+
+
+def _spread(actuator: Actuator, spread: SpreadEntry) -> dict[str, Any]:
+    """Values with a prior: where they are expected, one standard deviation and the range of the first."""
+    rows = [row_of(name) for name in spread.names]
+    zeros = [actuator[row.name] for row in rows]
+    std = spread.std * abs(zeros[0]) if spread.relative else spread.std
+    return {
+        "ids": [load_definitions().ids[row.name] for row in rows],
+        "zeros": zeros,
+        "std": std,
+        "lower": rows[0].lower,
+        "upper": rows[0].upper,
+    }
 
 
 def _deflated(raw: bytes) -> str:
@@ -187,18 +219,22 @@ def _other(actuator: Actuator, name: str) -> dict[str, Any]:
     return _row(actuator, load_definitions().by_name[name], _OTHERS[name], bounds, bounds)
 
 
-def _effect(actuator: Actuator, effect: Effect, usual: dict[str, float], reach_mm: float) -> dict[str, Any]:
-    """One effect: its values, what they are where it is switched on, and how it is ranked."""
+def _effect(actuator: Actuator, effect: Effect, usual: dict[str, float], stroke_mm: tuple[float, float]) -> dict[str, Any]:
+    """One effect: its values, what they are where it is switched on, and where its fit starts from."""
+    reach_mm = max(map(abs, stroke_mm))
     active = effect.name in actuator.active_effects
     rows = effect.parameters[:1] if effect.is_learned else effect.parameters
     shown_rows = []
     for row in rows:
         typical = usual.get(shown(row), row.nominal)
         bounds = _bounds(row, row is effect.size, actuator[row.name] if active else typical, reach_mm)
-        entry = _row(actuator, row, row.field, bounds, bounds)
+        # a fit may go where no slider does, as a diagnosis' does; a place lies on the stroke
+        entry = _row(actuator, row, row.field, bounds, bounds if _is_place(effect, row) else (row.lower, row.upper))
         # where nothing says what is usual, a tenth of the range is seen at once
         first = typical if typical != row.nominal or row is not effect.size else 0.1 * bounds[1]
-        shown_rows.append({**entry, "on": actuator[row.name] if active else min(max(first, bounds[0]), bounds[1])})
+        on = actuator[row.name] if active else min(max(first, bounds[0]), bounds[1])
+        scale = _PHASE_SCALE if row.field.endswith("phase_rad") else _PLACE_SCALE * reach_mm if _is_place(effect, row) else 0.0
+        shown_rows.append({**entry, "on": on, "scale": scale, "whole": row.field == _WHOLE})
     return {
         "name": effect.name,
         "title": effect.name.replace("_", " ").capitalize(),
@@ -207,14 +243,34 @@ def _effect(actuator: Actuator, effect: Effect, usual: dict[str, float], reach_m
         "active": active,
         "rows": shown_rows,
         "ranked": not effect.is_learned and not active,
-        "fitted": [shown(row) for row in _fitted(effect)],
-        "shapes": [{f"effects.{effect.name}.{_WHOLE}": number} for number in record_of(effect.name).onboard.shapes.get(_WHOLE, ())] or [{}],
+        "starts": {} if effect.is_learned else _starts(effect, usual, stroke_mm),
     }
 
 
-def _fitted(effect: Effect) -> Sequence[EffectParameter]:
-    """What is fitted of an effect that is ranked: its size and, of its shape, the first value that is no whole number, as many as the module's session takes beside both faults."""
-    return (effect.size, *(row for row in effect.parameters[1:] if row.field != _WHOLE))[:2]
+def _is_place(effect: Effect, row: EffectParameter) -> bool:
+    return row is not effect.size and row.unit == "mm" and row.lower < 0.0
+
+
+def _starts(effect: Effect, usual: dict[str, float], stroke_mm: tuple[float, float]) -> dict[str, list[float]]:
+    """Values by field that a fit of the effect starts from, every combination; what is left out starts as usual."""
+    record = record_of(effect.name)
+    reach_mm = max(map(abs, stroke_mm))
+    onboard = record.onboard
+    found: dict[str, Sequence[float]] = {**record.shapes}
+    found |= {
+        name: [share * (reach_mm if name in onboard.of_reach else 1.0) for share in shares] for name, shares in onboard.shapes.items()
+    }
+    found |= {row.field: np.linspace(*stroke_mm, _PLACES).tolist() for row in effect.parameters if _is_place(effect, row)}
+    if record.periodic is not None and record.periodic.periods:
+        found[_WHOLE] = record.periodic.periods
+    if record.below_peak is not None and shown(effect.size) in usual:
+        found[effect.size.field] = [share / record.below_peak.typical * usual[shown(effect.size)] for share in record.below_peak.tried]
+    elif record.first:
+        found[effect.size.field] = record.first
+    elif record.bending is not None and not callable(record.bending.sizes):
+        found[effect.size.field] = record.bending.sizes
+    known = {row.field for row in effect.parameters}
+    return {name: list(values) for name, values in found.items() if name in known}
 
 
 def _bounds(row: EffectParameter, is_size: bool, usual: float, reach_mm: float) -> tuple[float, float]:

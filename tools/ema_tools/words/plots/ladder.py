@@ -8,7 +8,7 @@ import numpy as np
 
 from ema_tools.words.page import names
 from ema_tools.words.page.diagnosis_results import Diagnosed
-from ema_tools.words.page.first_screen import candidates, faults, rungs
+from ema_tools.words.page.first_screen import candidates, faults, rung_words, rungs
 from ema_tools.words.page.text import number
 from ema_tools.words.plots.style import AFTER, BEFORE, NOISE, OTHER, figure, titled
 
@@ -26,7 +26,7 @@ def ladder_picture(result: Diagnosed) -> Figure | None:
     if not found:
         return None
     known = {one.name for one in result.suspects} | set(faults(result)) | {result.added}
-    titles = [name if place == 0 else f"+ {names.within(name) if name in known else name}" for place, (name, _, _) in enumerate(found)]
+    titles = [name if place == 0 else f"+ {rung_words(name, known)}" for place, (name, _, _) in enumerate(found)]
     made = figure(f"{result.name}: the error after each step", 1.5 + 0.42 * len(found))
     axes = made.subplots()
     here = np.array([one for _, one, _ in found])

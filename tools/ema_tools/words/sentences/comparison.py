@@ -5,7 +5,7 @@ from __future__ import annotations
 from ema_tools.compare.comparison import Comparison, ErrorPart
 from ema_tools.data.machine_state import FOUND
 from ema_tools.tasks.model_error import ModelError
-from ema_tools.words.sentences.sensors import sensor_sentence
+from ema_tools.words.sentences.sensors import is_outside_mechanics, reading_sentence, sensor_sentence
 
 # What each balance holds.
 GROUPS = {
@@ -33,16 +33,20 @@ def sentence(found: Comparison, error: ModelError | None = None) -> str:
     """The comparison: the weighted error first, then the balance that leaves most."""
     if found.unlike:
         return f"{found.record} tells nothing of the machine as it is: {'; '.join(found.unlike)}."
+    largest = _largest(found)
+    if found.reading is not None:
+        reading = f"{reading_sentence(found.reading)}."
+        largest = reading if is_outside_mechanics(found.reading) else f"{reading} {largest}"
     if error is None:
-        return _largest(found)
+        return largest
     excess = max((balance.excess_percent for balance in found.balances.values() if not balance.reason), default=0.0)
     first = error_sentence(found.record, error)
     if error.explains:
         return first
-    if error.sensor is not None:
+    if error.sensor is not None and found.reading is None:
         told = sensor_sentence(error.sensor)
         return f"{first} {told[:1].upper()}{told[1:]}."
-    return f"{first} {_largest(found) if excess > 0.0 else 'No balance by itself leaves more than sensor noise and method.'}"
+    return f"{first} {largest if excess > 0.0 else 'No balance by itself leaves more than sensor noise and method.'}"
 
 
 def _largest(found: Comparison) -> str:

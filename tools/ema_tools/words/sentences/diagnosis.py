@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ema_tools.data.actuator import Actuator, row_of
-from ema_tools.library.display_names import all_coded, coded, value_words
+from ema_tools.library.display_names import all_coded, coded, value_words, within
 from ema_tools.library.faults import FAULTS
-from ema_tools.library.registry import record_of, separating
+from ema_tools.library.registry import separable, separating
 from ema_tools.select.outcome import Named
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
@@ -29,6 +31,7 @@ def sentence(found: Answer) -> str:
 def _said(found: Answer) -> str:
     first = f"{found.record.file}: "
     fall = f"weighted error {found.errors.before:.3g} before, {found.errors.after:.3g} after, floor {found.errors.floor:.3g}"
+    before = f"weighted error {found.errors.before:.3g}, floor {found.errors.floor:.3g}"
     faults = "; ".join(_fault_words(one, found.known) for one in found.faults)
     if found.verdict == "adequate":
         versus = "this machine's repeatability" if found.evidence.relative else "what sensors and a data sheet leave open"
@@ -39,7 +42,7 @@ def _said(found: Answer) -> str:
         if found.doubt:
             return f"{first}nothing can be concluded, since the healthy records differ by themselves: {found.doubt}."
         if found.sensor is not None:
-            return f"{first}{sensor_sentence(found.sensor)} (weighted error {found.errors.before:.3g}, floor {found.errors.floor:.3g})."
+            return f"{first}{sensor_sentence(found.sensor)} ({before})."
         if found.contradicted_by_healthy:
             would = all_coded(found.refuted, " and ")
             return (
@@ -50,22 +53,42 @@ def _said(found: Answer) -> str:
             last = unexplained.sentence(found.left[0]) if found.left else ""
             told = f"{first}something is there, and {all_coded(found.refuted, ' and ')} would explain it, but not the record held out, whose error rises"
             return f"{told}: no effect is recommended ({_attempt(found)}). {last}".strip()
-        left = 100.0 * found.diagnosis.unexplained
-        text = f"something is there that the library does not hold: {left:.0f} % of the excess stays unexplained"
+        fit = found.diagnosis.fit
+        text = unexplained_by(fit.effects if fit is not None else (), found.errors.after, found.errors.floor)
         return f"{first}{text}. {unexplained.sentence(found.left[0]) if found.left else ''}".strip()
-    named = " and ".join(_words(one) for one in found.effects)
-    others = rivals(found)
-    alike = f" or {all_coded(others, ' or ')} (equally well on this record)" if others else ""
+    rivals = {names[0]: names[1:] for names in found.rivals}
+    named = " and ".join(_or_rivals(one, rivals.get(one.name, ())) for one in found.effects)
+    apart = "".join(f"; {separation(names)}" for names in found.rivals)
     faults = f"; beside it {faults}" if faults else ""
-    apart = _unit_words(found)
-    faults += f"; {apart}" if apart else ""
+    shifted = _unit_words(found)
+    faults += f"; {shifted}" if shifted else ""
     are = "is" if len(found.refuted) == 1 else "are"
     refuted = (
         f"; {all_coded(found.refuted, ' and ')} would lower the error further but raise that of the record held out, and {are} not recommended"
         if found.refuted
         else ""
     )
-    return f"{first}missing is {named}{alike}{faults}{refuted} ({fall}{_left(found)})."
+    return f"{first}missing is {named}{faults}{refuted} ({fall}{_left(found)}){apart}."
+
+
+def _or_rivals(one: Named, rivals: Sequence[str]) -> str:
+    return " or ".join([_words(one), *map(coded, rivals)]) + (" (equally well)" if rivals else "")
+
+
+def separation(names: Sequence[str]) -> str:
+    """What separates an effect from its rivals, which follow it."""
+    if separable(names):
+        return f"this experiment separates them: ema next ACTUATOR --between {' '.join(names)}"
+    ways = separating(names)
+    return "no command separates them" + (f"; this would: {ways[0].do}: {ways[0].because}" if ways else "")
+
+
+def unexplained_by(effects: Sequence[str], error: float, noise: float) -> str:
+    """That no effect explains a record, with the best candidate and the residual that it leaves."""
+    times = f"{significant(error / noise, 2)} times the noise"
+    if not effects:
+        return f"No effect of the library explains it: none lowers the error, which is {times}"
+    return f"No effect of the library explains it: the best candidate, {' and '.join(map(within, effects))}, leaves {times}"
 
 
 def _attempt(found: Answer) -> str:
@@ -107,40 +130,19 @@ def _unit_words(found: Answer) -> str:
     return f"the record shows {' and '.join(shifts)} off the data sheet, more than units are: wear, unless it was always so, which healthy records would tell"
 
 
-def rivals(found: Answer) -> tuple[str, ...]:
-    """Causes that explain the record as well as the accepted effects."""
-    named = {one.name for one in found.effects}
-    return tuple(dict.fromkeys(other for one in found.effects for other in one.alike if other not in named))
-
-
-def next_step(found: Answer) -> str:
-    """What to do next."""
-    confused = next((one for one in found.diagnosis.named if one.accepted and len(one.alike) > 1), None)
-    if found.verdict == "unknown" and found.doubt:
+def record_next(found: Answer) -> str:
+    """The record to make or the part to check next; empty where a command is next."""
+    if found.verdict != "unknown":
+        return ""
+    if found.doubt:
         return "Next: record a third run of the healthy machine, and diagnose again with all of them."
-    if found.verdict == "unknown" and found.sensor is not None:
+    if found.sensor is not None:
         return f"Next: {sensor_next(found.sensor)}."
     if found.contradicted_by_healthy:
         return f"Next: give --holdout a run of the machine as it is in {found.record.file}, best of another command; if it is one, one of the two is of another machine or another day."
-    if found.verdict == "unknown":
-        table = (
-            f"ema add ACTUATOR {found.learned.effect} --fit REC -o NEW.toml flies it as a learned table; "
-            if found.learned is not None
-            else ""
-        )
-        return f"Next: {table}look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
-    if confused is not None:
-        if set(confused.alike) <= {confused.name, *record_of(confused.name).inseparable}:
-            would = separating(confused.alike)[0]
-            return f"Next: no command tells {all_coded(confused.alike, ' and ')} apart; what would: {would.do}: {would.because}."
-        return f"Next: ema next ACTUATOR --between {' '.join(confused.alike)} says which command tells them apart."
-    if found.effects and found.effects[0].name in found.known.active_effects:
-        return f"Next: {coded(found.effects[0].name)} is in the actuator file already, and the healthy records were made without it; ema identify ACTUATOR REC gives CSJ and BLK."
-    if found.effects:
-        runs = " --healthy REC ..." if found.evidence.relative else ""
-        effects, what = " ".join(one.name for one in found.effects), "it" if len(found.effects) == 1 else "them"
-        return f"Next: ema add ACTUATOR {effects} --fit REC{runs} -o NEW.toml puts {what} into the model; then diagnose again."
-    return "Next: ema identify gives CSJ and BLK; nothing is to be added."
+    if found.learned is not None:
+        return ""
+    return "Next: look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
 
 
 def hidden(found: Answer) -> str:

@@ -6,6 +6,7 @@ from ema_tools.compare.comparison import TITLES
 from ema_tools.compare.localisation import Where
 from ema_tools.select.sensors import CLOCK, Suspect
 from ema_tools.words.sentences.comparison import GROUPS
+from ema_tools.words.sentences.sensors import is_outside_mechanics, reading_sentence
 
 
 def sentence(found: Where, sensor: Suspect | None = None) -> str:
@@ -21,7 +22,12 @@ def sentence(found: Where, sensor: Suspect | None = None) -> str:
     if not telling:
         return f"In {found.record} no balance shows more than {against} explain{without}."
     worst = telling[0]
-    if sensor is not None:
+    reading = ""
+    if found.reading is not None and (sensor is None or sensor.channel == found.reading.channel):
+        reading = f"{reading_sentence(found.reading)}."
+        if is_outside_mechanics(found.reading):
+            return reading
+    elif sensor is not None:
         pattern = f", {worst.winner.words}" if worst.winner is not None else ""
         used = f"{GROUPS[worst.name]} are weighed with it, so that the {worst.name} balance stands out"
         what = "recorder's clock" if sensor.channel == CLOCK else f"sensor of the {TITLES[sensor.channel]}"
@@ -38,4 +44,4 @@ def sentence(found: Where, sensor: Suspect | None = None) -> str:
         text += f"; then the {second.name} balance with {100.0 * second.share:.0f} %" + (
             f", {second.winner.words}" if second.winner is not None else ""
         )
-    return text + "."
+    return f"{reading} {text}.".strip()

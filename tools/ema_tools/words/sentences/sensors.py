@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from ema_tools.compare.comparison import TITLES, UNITS
+from ema_tools.compare.readings import ReadingError
+from ema_tools.library.display_names import listed
 from ema_tools.select.sensors import CLOCK, Suspect
+from ema_tools.words.sentences.sizes import significant
 
 # What may be behind a signal that alone reads otherwise.
 _BEHIND = {
@@ -12,6 +15,34 @@ _BEHIND = {
     "current_A": "the current sensor",
     "voltage_V": "how the voltage is recorded",
 }
+
+
+# How often a wave comes, by its periods per motor turn.
+_TIMES = {1: "once", 2: "twice"}
+
+
+def reading_words(found: ReadingError) -> str:
+    """What a signal does, as in `reads 2 ms late`."""
+    if found.kind == "wave":
+        return f"has an error that repeats {_TIMES[found.periods]} per motor turn ({significant(found.size, 2)} {UNITS[found.channel]})"
+    if found.kind == "scale":
+        return f"reads {1.0 + found.size:.4g} times the signal"
+    if found.kind == "delay":
+        return f"reads {1e3 * abs(found.size):.2g} ms {'late' if found.size > 0.0 else 'early'}"
+    return f"reads {abs(found.size):.2g} {UNITS[found.channel]} too {'high' if found.size > 0.0 else 'low'}"
+
+
+def is_outside_mechanics(found: ReadingError) -> bool:
+    """Whether the error of a reading can be none of the machine: it shows in several balances, as one block of the machine does not."""
+    return len(found.balances) > 1
+
+
+def reading_sentence(found: ReadingError) -> str:
+    """The pattern of a reading's error first, then what it says of the blocks; without a stop at its end."""
+    text = f"The {TITLES[found.channel]} {reading_words(found)}, which explains {100.0 * found.share:.0f} % of the excess"
+    if is_outside_mechanics(found):
+        return f"{text}: the error shows alike in the {listed(list(found.balances))} balances, which weigh this signal, so its sensor is at fault and not the machine"
+    return f"{text}: {_BEHIND[found.channel]} may be at fault"
 
 
 def sensor_sentence(found: Suspect) -> str:

@@ -22,6 +22,7 @@ from ema_tools.results.identification import IdentificationResult, ValueEntry, V
 from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
+from ema_tools.words.page.first_screen import NOT_ACCEPTED
 from ema_tools.words.sentences.balance import along_text, forward_sentence, friction_sentence, held_out_sentence, lag_sentence
 from ema_tools.words.sentences.base_values import note
 from ema_tools.words.sentences.identification import (
@@ -297,7 +298,7 @@ def diagnosis(console: Console, found: DiagnosisResult, searched: Searched) -> N
     console.print()
     _candidates(console, searched)
     console.print()
-    steps(console, found.steps, found.error.floor)
+    steps(console, found.steps, found.error.floor, accepted=found.verdict != "unknown")
     if found.unknown is not None:
         say(console, found.unknown.sentence)
         if found.unknown.learned is not None:
@@ -472,12 +473,12 @@ def _size_of(step: ForceStepEntry, last: ForceStepEntry, units: MachineUnits) ->
     return ""
 
 
-def steps(console: Console, way: Sequence[StepEntry], floor: float | None, what: str = "Weighted error") -> None:
-    """The fall of the error."""
+def steps(console: Console, way: Sequence[StepEntry], floor: float | None, what: str = "Weighted error", accepted: bool = True) -> None:
+    """The error after each step; `accepted`: whether the effects of the steps are."""
     held = any(step.told[1] is not None for step in way)
     rows = table(what, "model", "on the record", *(("held out",) if held else ()))
     for place, step in enumerate(way):
-        title = step.added if place == 0 else f"+ {step.added}"
+        title = step.added if place == 0 else f"+ {step.added}{'' if accepted or not step.effects else NOT_ACCEPTED}"
         here, apart = step.told
         rows.add_row(title, number(here, 4), *((number(apart, 4),) if held else ()))
     rows.add_row("floor", number(floor, 4), *(("",) if held else ()))

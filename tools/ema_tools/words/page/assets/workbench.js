@@ -1,10 +1,12 @@
 // The workbench in the page: one model and one record in memory, a worker that fits, and what is drawn of them. States errors, never a verdict.
 (async () => {
   "use strict";
-  const { CHANNELS, Desk, Weighed, noiseOf, weightsOf, errorOf, startOf, readCsv } = EmaWorkbench;
+  const { CHANNELS, Desk, noiseOf, startOf, readCsv } = EmaWorkbench;
   const root = document.querySelector("[data-workbench]");
   const data = JSON.parse(document.getElementById("workbench-data").textContent);
-  const FITTED_MAX = 4; // EMA_IDENTIFIED_MAX
+  const FAULTS = ["screw.csj_Nm", "screw.blk_mm"];
+  const UNDONE_MAX = 200; // changes that can be undone
+  const ONE_CHANGE_MS = 800; // moves of one value in quicker succession are one change
   const TIMES = 101; // redraws that the median is taken of
   // title, unit, and of the residual its unit and how many of them are in one
   const SHOWN = {
@@ -52,7 +54,7 @@
     const [target, weights] = [{}, {}];
     for (const [name, text] of Object.entries(data.weighed.target)) target[name] = await column(text, data.record.rows);
     for (const [name, text] of Object.entries(data.weighed.weights)) weights[name] = await column(text, Math.floor(data.weighed.rows / 2) + 1);
-    given.weighed = new Weighed(data.weighed.rows, target, weights);
+    given.weighed = { ...data.weighed, target, weights };
   }
   let record = null;
   let noise = null;
@@ -60,7 +62,7 @@
   let view = [0, 0];
   let rodAlone = false;
   let running = null; // what the worker does
-  let last = null; // the last fit
+  let misfit = null; // of the record with the model
   const times = [];
 
   const effects = data.effects;
@@ -68,33 +70,41 @@
   const unseen = data.unseen; // values without a slider, which a model that is loaded may set
   const rowOf = Object.fromEntries([...rows, ...unseen].map((row) => [row.name, row]));
   const values = Float64Array.from(data.model.values);
-  const model = { values, options: data.model.options };
+  let zeros = new Float64Array(0); // sensor zeros and slight effects that a fit has found, in standard deviations
   const isOn = (effect) => values[effect.rows[0].id] !== effect.rows[0].zero;
 
   // ---- the worker: the same engine and module, so that the page stays alive while it fits
 
   const source = `${document.getElementById("workbench-engine").textContent}
     let opened = null; // what is asked meanwhile waits for it
+    let desk = null;
+    const found = (job, misfit) => {
+      if (job.kind === "fit") {
+        return EmaFit.fitted(misfit, job.rows, job.effects, job.values, (cost, values, zeros) => postMessage({ id: job.id, runs: misfit.runs, error: misfit.error(cost), values, zeros }));
+      }
+      const base = EmaFit.based(misfit, job.rows, job.values);
+      const ranked = [{ name: "", values: base.values, zeros: base.zeros, error: misfit.error(base.cost), count: 0, edge: [] }];
+      for (const effect of job.effects) {
+        postMessage({ id: job.id, ranked: EmaFit.inOrder(ranked), next: effect.name });
+        const one = EmaFit.withEffect(misfit, base, effect);
+        if (one) ranked.push(one);
+      }
+      return EmaFit.inOrder(ranked);
+    };
     onmessage = async ({ data }) => {
       try {
         if (data.open) {
-          opened = EmaWorkbench.Desk.open(data.open).then((desk) => {
-            desk.load(data.record);
-            return desk;
+          opened = EmaWorkbench.Desk.open(data.open).then((one) => {
+            desk = one;
+            desk.load(data.setting.record);
+            return data.setting;
           });
           return;
         }
-        const desk = await opened;
-        let told = 0;
-        const found = desk.fit(data.model, data.search, (runs, cost, best, values) => {
-          const now = performance.now();
-          postMessage({ id: data.id, runs, cost, best, values: cost === best || now - told > 30 ? values : null });
-          told = now;
-          return false;
-        });
-        postMessage({ id: data.id, found });
+        const setting = await opened;
+        postMessage({ id: data.id, found: found(data, EmaFit.misfitOf(desk, { ...setting, rodAlone: data.rodAlone })) });
       } catch (error) {
-        postMessage({ id: data.id, error: error.message, offender: error.offender });
+        postMessage({ id: data.id, refused: error.message, offender: error.offender });
       }
     };`;
   const workerUrl = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
@@ -103,46 +113,47 @@
   function openWorker() {
     if (worker) worker.terminate();
     worker = new Worker(workerUrl);
-    const columns = Object.fromEntries(["command_mm", ...CHANNELS].filter((name) => record[name]).map((name) => [name, record[name]]));
-    worker.postMessage({ open: module, record: columns });
+    worker.postMessage({ open: module, setting: setting() });
   }
-  // One fit in the worker; `told(runs, cost, best, values)` hears of every model run. Resolves with null where it was stopped.
-  function fitBeside(search, changed, told) {
+  // What a misfit is of, as the worker takes it.
+  function setting() {
+    const columns = Object.fromEntries(["command_mm", ...CHANNELS].filter((name) => record[name]).map((name) => [name, record[name]]));
+    return { model: data.model, startMm, record: columns, noise, weighed: record.weighed };
+  }
+  function weigh() {
+    misfit = EmaFit.misfitOf(desk, { ...setting(), rodAlone });
+    zeros = new Float64Array(misfit.additive.length);
+  }
+  // One job in the worker, whose progress goes to `report`. Resolves with null where it was stopped.
+  function inWorker(job, report) {
     asked += 1;
     const id = asked;
     return new Promise((resolve, reject) => {
       running = { stop: () => resolve(null) };
       worker.onmessage = ({ data: heard }) => {
         if (heard.id !== id) return;
-        if (heard.error) reject(Object.assign(new Error(refusal(heard)), heard));
+        if (heard.refused) reject(Object.assign(new Error(refusal(heard)), heard));
         else if (heard.found) resolve(heard.found);
-        else told(heard.runs, heard.cost, heard.best, heard.values);
+        else report(heard);
       };
       worker.onerror = () => reject(new Error("the worker ended: reload the page"));
-      worker.postMessage({ id, model: { values: changed, options: model.options }, search });
+      worker.postMessage({ id, rodAlone, values, ...job });
     });
   }
   function refusal(error) {
     const name = data.names[error.offender];
-    const what = error.error || error.message;
+    const what = error.refused || error.message;
     return name ? `${name}: ${what}: move it back` : `${what}: change the model or the record`;
   }
 
   // ---- what is computed and drawn
 
-  const weights = () => weightsOf(noise, rodAlone);
-  const errorAt = (objective) => errorOf(objective, record, noise, weights());
-  // Of a diagnosis' own record the error is the diagnosis'; what a search lowers is its objective, by each signal's white noise.
-  const weighed = () => (rodAlone ? undefined : record.weighed);
-  const measured = (simulated, objective) => weighed()?.error(simulated) ?? errorAt(objective);
-  function errorWith(changed) {
-    const other = { values: changed, options: model.options };
-    return measured(desk.simulate(other, startMm), weighed() ? 0 : desk.objective(other, weights(), startMm));
-  }
+  const weighed = () => !rodAlone && record.weighed !== undefined;
   let shown = null;
-  function compute() {
-    const simulated = desk.simulate(model, startMm);
-    const objective = desk.objective(model, weights(), startMm);
+  function compute(settle = false) {
+    const simulated = misfit.simulate(values);
+    const weightedResidual = misfit.residual(values, simulated);
+    if (settle) zeros = misfit.bestZeros(weightedResidual);
     const signals = {};
     for (const name of CHANNELS.filter((one) => record[one])) {
       const residual = record[name].map((value, row) => value - simulated[name][row]);
@@ -150,7 +161,7 @@
       const whole = norm(record[name]);
       signals[name] = { measured: record[name], simulated: simulated[name], residual, rms: norm(residual) / Math.sqrt(residual.length), percent: whole > 0 ? (100 * norm(residual)) / whole : null };
     }
-    shown = { objective, error: measured(simulated, objective), signals };
+    shown = { error: misfit.error(misfit.cost(values, weightedResidual, zeros)), signals };
   }
   function draw(mark = null) {
     for (const [name, { canvas, title }] of Object.entries(plots)) {
@@ -166,6 +177,7 @@
     }
   }
   let pending = null;
+  let settling = false; // whether the zeros of the sensors follow the next time
   // Once a frame at most; what is reported is from the first change to the drawn picture.
   function redraw() {
     if (pending !== null) return;
@@ -174,7 +186,8 @@
       const from = pending;
       pending = null;
       try {
-        compute();
+        compute(settling);
+        settling = false;
         draw();
         tellError();
         if (message.classList.contains("refused")) say("");
@@ -211,21 +224,53 @@
     const tick = make("input", { type: "checkbox", checked: ticked, "aria-label": `fit ${row.label}`, title: "fit this value" });
     const slider = make("input", { type: "range", min: row.low, max: row.high, step: "any", id: identity });
     const number = make("input", { type: "number", step: "any", "aria-label": `${row.label}${row.unit ? `, ${row.unit}` : ""}` });
-    slider.addEventListener("input", () => setValue(row, Number(slider.value)));
-    number.addEventListener("input", () => Number.isFinite(number.valueAsNumber) && setValue(row, number.valueAsNumber));
+    const change = (value) => {
+      remember(row.name);
+      setValue(row, value);
+    };
+    slider.addEventListener("input", () => change(Number(slider.value)));
+    number.addEventListener("input", () => Number.isFinite(number.valueAsNumber) && change(number.valueAsNumber));
     inputs[row.name] = { tick, slider, number };
     return make("div", { class: "bench-row", title: row.remark }, tick, make("label", { for: identity }, row.label, row.unit ? make("small", {}, ` ${row.unit}`) : ""), number, slider);
   }
+  // What can be undone: values, zeros of the sensors and ticks before each change.
+  const undone = [];
+  let changed = { what: "", at: -Infinity };
+  const ticks = () => rows.filter((row) => inputs[row.name].tick.checked);
+  function remember(what = "") {
+    const at = performance.now();
+    const same = what && what === changed.what && at - changed.at < ONE_CHANGE_MS;
+    changed = { what, at };
+    if (same) return;
+    undone.push({ values: Float64Array.from(values), zeros, ticked: ticks() });
+    if (undone.length > UNDONE_MAX) undone.shift();
+    undoButton.disabled = running !== null;
+  }
+  function undo() {
+    if (running || !undone.length) return;
+    const before = undone.pop();
+    changed = { what: "", at: -Infinity };
+    undoButton.disabled = !undone.length;
+    for (const row of rows) inputs[row.name].tick.checked = before.ticked.includes(row);
+    take(before);
+  }
+  // The values of a whole model, and the zeros of the sensors that go with them.
+  function take(other) {
+    for (const row of [...rows, ...unseen]) setValue(row, other.values[row.id], true);
+    zeros = other.zeros.length === zeros.length ? Float64Array.from(other.zeros) : zeros;
+    effects.forEach(showEffect);
+    tellUnseen();
+    redraw();
+  }
   const switches = {};
-  // Off, an effect leaves the model as it was without it, to the bit.
-  function turn(effect, on, tick = true) {
+  // On, all values of an effect are fitted; off, it leaves the model as it was without it, to the bit.
+  function turn(effect, on) {
     const [size] = effect.rows;
     for (const row of effect.rows) {
       const off = effect.active ? (row === size ? size.zero : values[row.id]) : row.value;
       setValue(row, on ? row.on : off, true);
+      inputs[row.name].tick.checked = on;
     }
-    if (tick) inputs[size.name].tick.checked = on;
-    if (!on) for (const row of effect.rows) inputs[row.name].tick.checked = false;
     showEffect(effect);
   }
   function showEffect(effect) {
@@ -234,7 +279,7 @@
     switches[effect.name].equation.hidden = !isOn(effect);
   }
   function effectPart(effect) {
-    const box = make("input", { type: "checkbox", onchange: () => { turn(effect, box.checked); redraw(); } });
+    const box = make("input", { type: "checkbox", onchange: () => { remember(); turn(effect, box.checked); redraw(); } });
     const part = make("div", { class: "bench-rows" }, ...effect.rows.map((row) => valueRow(row, false)));
     const equation = make("p", { class: "equation", title: effect.source }, effect.equation);
     switches[effect.name] = { box, rows: part, equation };
@@ -242,7 +287,9 @@
   }
   // Any values by name, as the actuator's file has them; `fresh`: all others as the model was given.
   function load(changes, fresh = false) {
+    remember();
     if (fresh) reset();
+    settling = Object.keys(changes).length > 0;
     for (const [name, value] of Object.entries(changes)) {
       if (!rowOf[name]) throw new Error(`${name}: the workbench has no such value: it has ${Object.keys(rowOf).join(", ")}`);
       setValue(rowOf[name], value, true);
@@ -260,9 +307,10 @@
       make("ul", {}, ...set.map((row) => make("li", { title: row.remark, "data-set": row.name }, `${row.label}: ${digits(values[row.id])}${row.unit ? ` ${row.unit}` : ""}, was ${digits(row.value)} `, make("code", {}, row.name)))));
   }
   function reset() {
+    zeros = new Float64Array(zeros.length);
     for (const row of [...rows, ...unseen]) setValue(row, row.value, true);
     tellUnseen();
-    for (const row of rows) inputs[row.name].tick.checked = row.name === "screw.csj_Nm" || row.name === "screw.blk_mm";
+    for (const row of rows) inputs[row.name].tick.checked = FAULTS.includes(row.name);
     effects.forEach(showEffect);
     fall.hidden = true;
     redraw();
@@ -270,19 +318,16 @@
 
   // ---- fits
 
-  function searchOf(fitted) {
-    return {
-      identified_count: fitted.length,
-      identified_id: fitted.map((row) => row.id),
-      identified_lower: fitted.map((row) => row.bounds[0]),
-      identified_upper: fitted.map((row) => row.bounds[1]),
-      identified_min_shift_percent: fitted.map(() => 5),
-      weight: weights(),
-    };
-  }
   function busy(on) {
     for (const button of [fitButton, rankButton, resetButton]) button.disabled = on;
+    undoButton.disabled = on || !undone.length;
     stopButton.disabled = !on;
+  }
+  // An effect as a fit takes it: what is not ticked stays as it is.
+  function ofFit(effect) {
+    const starts = Object.fromEntries(Object.entries(effect.starts).filter(([field]) => effect.rows.some((row) => row.field === field && inputs[row.name].tick.checked)));
+    const effectRows = effect.rows.map((row) => (inputs[row.name].tick.checked ? row : { ...row, whole: true, on: values[row.id] }));
+    return { ...effect, rows: effectRows, starts };
   }
   const fallen = [];
   function drawFall() {
@@ -302,39 +347,35 @@
     context.stroke();
     context.fillStyle = getComputedStyle(root).color;
     context.font = `11px ${getComputedStyle(document.body).fontFamily}`;
-    context.fillText(`${weighed() ? "search: " : ""}error ${digits(fallen[0][1], 3)}, now ${digits(end[1], 3)} after ${end[0]} model runs, logarithmic`, 4, 11);
+    context.fillText(`error ${digits(fallen[0][1], 3)}, now ${digits(end[1], 3)} after ${end[0]} model runs, logarithmic`, 4, 11);
     fall.setAttribute("aria-label", `Error during the fit: ${digits(fallen[0][1], 3)} at first, ${digits(end[1], 3)} after ${end[0]} model runs`);
   }
   async function fit() {
-    const fitted = rows.filter((row) => inputs[row.name].tick.checked);
+    const fitted = ticks();
     if (!fitted.length) return say("Nothing is ticked: tick the values that are to be fitted.", true);
-    if (fitted.length > FITTED_MAX) return say(`${fitted.length} values are ticked; the module's annealer takes up to ${FITTED_MAX}: untick some.`, true);
-    const none = fitted.find((row) => values[row.id] === 0);
-    if (none) return say(`${none.name} is zero, from where the module fits nothing: move its slider first.`, true);
+    const sought = effects.filter((effect) => isOn(effect) && inputs[effect.rows[0].name].tick.checked && effect.rows.length > 1).map(ofFit);
+    const whole = fitted.find((row) => row.whole && !sought.some((effect) => effect.rows.some((one) => one.id === row.id)));
+    if (whole) return say(`${whole.name} is a whole number, which is tried together with the size of its effect: tick that, too.`, true);
     for (const row of fitted) row.bounds = [Math.min(row.bounds[0], values[row.id]), Math.max(row.bounds[1], values[row.id])];
+    remember();
     busy(true);
     fall.hidden = false;
     fallen.length = 0;
     let best = null;
-    const search = searchOf(fitted);
-    const from = Float64Array.from(values);
+    const before = shown.error;
     const began = performance.now();
     try {
-      const found = await fitBeside(search, from, (runs, cost, lowest, tried) => {
-        if (cost === lowest && tried) best = tried;
-        fallen.push([runs, errorAt(lowest)]);
+      const found = await inWorker({ kind: "fit", rows: fitted, effects: sought }, (heard) => {
+        best = heard;
+        fallen.push([heard.runs, heard.error]);
         requestAnimationFrame(drawFall);
-        say(`Fitting ${fitted.map((row) => row.label).join(", ")}: ${runs} model runs, ${weighed() ? "the search's own error" : "error"} ${digits(errorAt(lowest), 4)}`);
+        say(`Fitting ${fitted.map((row) => row.label).join(", ")}: ${heard.runs} model runs, error ${digits(heard.error)}`);
       });
-      const numbers = found ? found.estimate : best;
-      if (numbers) fitted.forEach((row, k) => setValue(row, numbers[k], true));
-      if (found) last = { from: Array.from(from), search, ...found, random_state: String(found.random_state), model_steps: Number(found.model_steps) };
-      redraw();
-      const [first, end] = found ? [errorWith(from), errorWith(Float64Array.from(values))] : [];
-      const edge = found ? fitted.filter((_, k) => found.at_bound[k]).map((row) => row.label) : [];
+      if (found || best) take(found ?? best);
+      const edge = found ? fitted.filter((row) => row.bounds.includes(values[row.id]) && values[row.id] !== row.zero).map((row) => row.label) : [];
       say(
         found
-          ? `Fitted by the module's annealer: error ${digits(first, 4)} before, ${digits(end, 4)} after ${found.evaluations} model runs in ${((performance.now() - began) / 1000).toFixed(1)} s${edge.length ? `; on a bound of the search: ${edge.join(", ")}` : ""}.`
+          ? `Fitted: error ${digits(before)} before, ${digits(found.error)} after ${fallen.length ? fallen[fallen.length - 1][0] : 0} model runs in ${((performance.now() - began) / 1000).toFixed(1)} s${edge.length ? `; on a bound of the fit: ${edge.join(", ")}` : ""}.`
           : "Stopped; the model has the best values so far.",
       );
     } catch (error) {
@@ -344,36 +385,24 @@
       busy(false);
     }
   }
-  // Every effect that the model does not hold, each fitted from its usual size beside both faults: what error is left.
+  // Every effect that the model does not hold, each with all of its values, CSJ, BLK and what is ticked: the error that is left.
   async function rank() {
-    const faults = ["screw.csj_Nm", "screw.blk_mm"].map((name) => rowOf[name]).filter((row) => values[row.id] > 0);
-    const candidates = [{ title: "No effect, both faults alone", name: "", fitted: [], shapes: [{}], rows: [] }, ...effects.filter((effect) => effect.ranked && !isOn(effect))];
-    const ranked = [];
+    const rowsOfAll = rows.filter((row) => !row.whole && (inputs[row.name].tick.checked || FAULTS.includes(row.name)) && (values[row.id] > 0 || !FAULTS.includes(row.name)));
+    const candidates = effects.filter((effect) => effect.ranked && !isOn(effect));
+    const began = performance.now();
+    let ranked = [];
     busy(true);
     rankPart.hidden = false;
     try {
-      for (const [place, candidate] of candidates.entries()) {
-        let best = null;
-        for (const shape of candidate.shapes) {
-          const from = Float64Array.from(values);
-          for (const row of candidate.rows) from[row.id] = shape[row.name] ?? row.on;
-          const fitted = [...faults, ...candidate.fitted.map((name) => rowOf[name])].filter((row) => from[row.id] !== 0);
-          say(`Ranking ${place + 1} of ${candidates.length}: ${candidate.title}`);
-          const found = await fitBeside(searchOf(fitted), from, () => {}).catch((error) => (error.offender >= 0 ? undefined : Promise.reject(error)));
-          if (found === null) return say(`Stopped after ${ranked.length} of ${candidates.length}.`);
-          if (!found || (best && found.objective_after >= best.objective)) continue;
-          const changes = Object.fromEntries([...candidate.rows.map((row) => [row.name, from[row.id]]), ...fitted.map((row, k) => [row.name, found.estimate[k]])]);
-          best = { candidate, changes, objective: found.objective_after, runs: found.evaluations, edge: fitted.filter((_, k) => found.at_bound[k]) };
-        }
-        if (best) {
-          const there = Float64Array.from(values);
-          for (const [name, value] of Object.entries(best.changes)) there[rowOf[name].id] = value;
-          ranked.push({ ...best, error: errorWith(there) });
-        }
-        ranked.sort((a, b) => a.error - b.error);
+      const found = await inWorker({ kind: "rank", rows: rowsOfAll, effects: candidates }, (heard) => {
+        ranked = heard.ranked;
+        const place = candidates.findIndex((effect) => effect.name === heard.next);
+        say(`Ranking ${place + 1} of ${candidates.length}: ${candidates[place].title}`);
         showRank(ranked);
-      }
-      say(`Ranked ${ranked.length}: least error first. This is no verdict: ema diagnose weighs them.`);
+      });
+      if (!found) return say(`Stopped after ${Math.max(ranked.length - 1, 0)} of ${candidates.length}.`);
+      showRank(found);
+      say(`Ranked ${found.length - 1} effects in ${((performance.now() - began) / 1000).toFixed(0)} s, least error first. This is no verdict: ema diagnose weighs them.`);
     } catch (error) {
       say(error.message, true);
     } finally {
@@ -383,16 +412,21 @@
   }
   function showRank(ranked) {
     rankBody.replaceChildren(
-      ...ranked.map(({ candidate, changes, error, edge }) => {
-        const faults = ["screw.csj_Nm", "screw.blk_mm"].map((name) => changes[name] ?? values[rowOf[name].id]);
-        const own = candidate.rows.map((row) => `${row.field} ${digits(changes[row.name], 3)}${edge.includes(row) ? " (on a bound)" : ""}`).join(", ");
-        return make("tr", { "data-effect": candidate.name },
-          make("th", { scope: "row" }, candidate.title),
-          make("td", {}, digits(error, 4)),
-          make("td", {}, digits(faults[0], 4)),
-          make("td", {}, digits(faults[1], 4)),
-          make("td", { class: "left" }, own || "\u2013"),
-          make("td", {}, make("button", { type: "button", "aria-label": `load ${candidate.title}`, onclick: () => load(changes) }, "load")));
+      ...ranked.map((one) => {
+        const effect = effects.find((other) => other.name === one.name);
+        const title = effect ? effect.title : "No effect, both faults alone";
+        const own = effect ? effect.rows.map((row) => `${row.field} ${digits(one.values[row.id], 3)}${one.edge.includes(row.name) ? " (on a bound)" : ""}`).join(", ") : "\u2013";
+        const use = () => {
+          remember();
+          take(one);
+          for (const row of effect ? effect.rows : []) inputs[row.name].tick.checked = true;
+        };
+        return make("tr", { "data-effect": one.name },
+          make("th", { scope: "row" }, title),
+          make("td", {}, digits(one.error)),
+          ...FAULTS.map((name) => make("td", {}, digits(one.values[rowOf[name].id]))),
+          make("td", { class: "left" }, own),
+          make("td", {}, make("button", { type: "button", "aria-label": `load ${title}`, onclick: use }, "load")));
       }),
     );
   }
@@ -410,6 +444,7 @@
     noise = noiseOf(next);
     if (!noise.position_mm) throw new Error(`${next.file}: position_mm never moves: give a record in which the rod moves`);
     startMm = startOf(next, data.start.blk_upper_mm, data.start.noise_mm);
+    weigh();
     view = [0, next.command_mm.length - 1];
     times.length = 0;
     plotPart.replaceChildren();
@@ -458,7 +493,7 @@
     view = [start, start + kept];
     draw();
   }
-  async function take(file) {
+  async function takeFile(file) {
     const before = record;
     try {
       if (running) throw new Error(`${file.name}: a fit is running: stop it first`);
@@ -495,18 +530,19 @@
   const fitButton = make("button", { type: "button", class: "first", onclick: fit }, "Fit ticked values");
   const rankButton = make("button", { type: "button", onclick: rank }, "Rank all effects");
   const stopButton = make("button", { type: "button", onclick: stop, disabled: true }, "Stop");
-  const resetButton = make("button", { type: "button", onclick: reset }, "Reset");
-  const picker = make("input", { type: "file", accept: ".csv,text/csv", id: "bench-file", onchange: () => picker.files[0] && take(picker.files[0]) });
+  const undoButton = make("button", { type: "button", onclick: undo, disabled: true, title: "Ctrl+Z" }, "Undo");
+  const resetButton = make("button", { type: "button", onclick: () => { remember(); reset(); } }, "Reset");
+  const picker = make("input", { type: "file", accept: ".csv,text/csv", id: "bench-file", onchange: () => picker.files[0] && takeFile(picker.files[0]) });
   const drop = make("div", { class: "bench-drop" }, make("label", { for: "bench-file" }, "Another record of this actuator: drop a CSV anywhere on the page, or choose one. Columns time_s, command_mm, position_mm and, where there are any, motor_position_mm, current_A, voltage_V. "), picker);
-  const rod = make("input", { type: "checkbox", onchange: () => { rodAlone = rod.checked; redraw(); } });
+  const rod = make("input", { type: "checkbox", onchange: () => { rodAlone = rod.checked; weigh(); redraw(); } });
   const rankBody = make("tbody");
   const rankPart = make("div", { class: "bench-rank scroll", role: "region", "aria-label": "Table: effects ranked", tabindex: "0", hidden: true },
-    make("table", {}, make("caption", {}, "Error left, in times the sensor noise, after each effect was fitted beside CSJ and BLK by the module's annealer: its size and one value of its shape, the others as usual. No verdict: effects that look alike fit alike."),
+    make("table", {}, make("caption", {}, "Error left, in multiples of the sensor noise, after all values of each effect were fitted with CSJ, BLK and what is ticked. No verdict: effects that look alike fit alike."),
       make("thead", {}, make("tr", {}, ...["Effect", "Error left", "CSJ, Nm", "BLK, mm", "Values", "Load"].map((text, k) => make("th", { scope: "col", ...(k === 0 || k === 4 ? { class: "left" } : {}) }, text)))), rankBody));
   const panel = make("form", { class: "bench-panel", "aria-label": "Model", onsubmit: (event) => event.preventDefault() },
-    make("div", { class: "bench-tools" }, fitButton, rankButton, stopButton, resetButton), fall,
-    make("p", { class: "note" }, `A tick beside a value: it is fitted, up to ${FITTED_MAX} at once.`),
-    make("fieldset", {}, make("legend", {}, "Machine"), ...data.rows.map((row) => valueRow(row, row.name === "screw.csj_Nm" || row.name === "screw.blk_mm"))),
+    make("div", { class: "bench-tools" }, fitButton, rankButton, stopButton, undoButton, resetButton), fall,
+    make("p", { class: "note" }, "A tick beside a value: it is fitted."),
+    make("fieldset", {}, make("legend", {}, "Machine"), ...data.rows.map((row) => valueRow(row, FAULTS.includes(row.name)))),
     unseenPart,
     make("label", { class: "bench-row" }, rod, "Compare the rod position alone, as in flight"),
     make("fieldset", {}, make("legend", {}, "Effects"), ...effects.map(effectPart)),
@@ -518,8 +554,8 @@
   const wholeButton = make("button", { type: "button", onclick: whole }, "Whole record");
   try {
     root.append(
-      make("div", { class: "bench-head" }, make("p", { class: "bench-error" }, "Error ", errorOut, " ", errorOf1), timing),
-      make("div", { class: "bench-body" }, make("div", {}, legend, plotPart, make("div", { class: "bench-tools" }, wholeButton, make("span", { class: "note" }, "Drag across a plot to zoom all of them, or press + and \u2212 on them; double click for the whole record."))), panel),
+      make("div", { class: "bench-head" }, make("p", { class: "bench-error" }, "Error ", errorOut, " ", errorOf1), message),
+      make("div", { class: "bench-body" }, make("div", {}, legend, plotPart, make("div", { class: "bench-tools" }, wholeButton, make("span", { class: "note" }, "Drag across a plot to zoom all of them, or press + and \u2212 on them; double click for the whole record.")), timing), panel),
       rankPart);
     useRecord(given);
     for (const row of rows) setValue(row, row.value, true);
@@ -542,7 +578,13 @@
     event.preventDefault();
     over = 0;
     drop.classList.remove("over");
-    if (event.dataTransfer.files[0]) take(event.dataTransfer.files[0]);
+    if (event.dataTransfer.files[0]) takeFile(event.dataTransfer.files[0]);
+  });
+  document.addEventListener("keydown", (event) => {
+    if (event.key.toLowerCase() !== "z" || !(event.ctrlKey || event.metaKey) || event.shiftKey) return;
+    if (!root.contains(event.target) && /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName)) return;
+    event.preventDefault();
+    undo();
   });
   window.addEventListener("resize", () => draw());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
@@ -553,19 +595,17 @@
     texts,
     state: () => ({
       error: shown.error,
-      objective: shown.objective,
       rms: Object.fromEntries(Object.entries(shown.signals).map(([name, signal]) => [name, signal.rms])),
       percent: Object.fromEntries(Object.entries(shown.signals).map(([name, signal]) => [name, signal.percent])),
       values: Array.from(values),
       noise,
-      weight: weights(),
       start_mm: startMm,
       file: record.file,
       view: [...view],
       rows: record.command_mm.length,
       redraws: times.length,
       median_ms: medianTime(),
-      last,
+      undone: undone.length,
       running: running !== null,
       message: message.textContent,
     }),
