@@ -1,4 +1,5 @@
-/* What the compiler calls where it makes no instruction of a copy: there is no C library behind the module in a browser. */
+/* What the compiler calls where it makes no instruction of a copy: there is no C library behind the module in a
+ * browser. */
 #include <string.h>
 
 void* memcpy(void* to, const void* from, size_t bytes)
