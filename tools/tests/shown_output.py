@@ -107,7 +107,7 @@ def walked(commands: tuple[str, ...]) -> dict[str, str]:
     with tempfile.TemporaryDirectory() as folder:
         for command in commands:
             typed = (
-                re.sub(r"build/(\w+\.(?:json|toml|h))", rf"{folder}/\1", command)
+                re.sub(r"build/(\w+\.(?:json|toml|h)|loop$)", rf"{folder}/\1", command)
                 .replace("docs walk", f"{folder} walk")
                 .replace("build/", f"{build}/")
             )
