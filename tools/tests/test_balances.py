@@ -76,6 +76,7 @@ EFFECTS = [
     {"gain_drift.drift": 0.3},
     {"coulomb_asymmetry.asymmetry": 0.3},
     {"coulomb_asymmetry.asymmetry": 0.3, "stribeck_friction.rise": 0.5, "screw.dynamic_ratio": 0.8},
+    {"coulomb_asymmetry.asymmetry": 0.5, "stribeck_friction.rise": 1.0, "stribeck_friction.speed_rad_s": 60.0},
     {"torque_ripple.ratio": 0.1, "torque_ripple.periods": 2.0},
     {"presliding.stretch_rad": 0.3},
     {"actuation_delay.delay_s": 0.0027},
