@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from ema_tools.results.reading import Result
 
 _COMMANDS_MAX = 10  # of one loop: each model that is added needs three [effort]
-_REPORTED = ("compare", "diagnose", "add", "identify")
 # Options whose file goes to the folder, and what it is called there.
 _WRITES = {"-o": "model", "--report": "page"}
 
@@ -66,7 +65,7 @@ def loop(actuator: str, record: str, healthy: tuple[str, ...], holdout: str | No
         _run(arguments)
         found = read_result(file)
         commands.append(arguments)
-        if arguments[1] in _REPORTED:
+        if isinstance(found, Advised):
             files.append(file)
         console.print(_sentence(found), highlight=False)
         machine = found.actuator if isinstance(found, Addition) and found.recommended else machine
@@ -89,7 +88,7 @@ def loop(actuator: str, record: str, healthy: tuple[str, ...], holdout: str | No
         machine=None if machine is None else str(kept),
         page=str(page),
         provenance=provenance(command_line(), actuator=actuator, record=record),
-        next=tuple(getattr(found, "next", ())),
+        next=following,
     )
     save(json_path, result, force)
     console.print()

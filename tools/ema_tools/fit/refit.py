@@ -27,6 +27,7 @@ _JACOBIAN_STEPS = (0.05, 0.2, 0.6)
 _PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
 _DETERMINED = 2.0  # standard errors by which a size differs from the machine's own [chance]
 _AT_BOUND = 1e-6  # of its range: so near to an end a value lies on it [precision]
+POLISHED = 3  # of fits with the nuisance parameters linear at the last one [effort]
 _JOINT_ROUNDS = 8  # of steps together with what scatters [effort]
 # Shares of a value over which a slope is taken to both sides: the first, or the second where that one does not show [precision]
 _JOINT_STEPS = (0.1, 0.3)
@@ -178,6 +179,11 @@ def polished(fit: Fit, rounds: int) -> Fit:
         if done:
             break
     return fit
+
+
+def fitted_from(evidence: Evidence, start: Mapping[str, float]) -> Fit:
+    """The values named in `start` fitted from there, the nuisance parameters linear at the start first and at the fit itself then."""
+    return polished(refit(settled(evidence, start, rounds=1), start), POLISHED)
 
 
 def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:

@@ -17,7 +17,7 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, View, settled
 from ema_tools.fit.nuisance import moved
-from ema_tools.fit.refit import Fit, polished, refit
+from ema_tools.fit.refit import POLISHED, Fit, fitted_from, polished, refit
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather
@@ -31,7 +31,6 @@ from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
 
 _STARTS = 4  # shapes of the effect that a fit begins from, the strongest first [effort]
-_ROUNDS = 3  # of fits with what scatters linear at the last one [effort]
 _CORRELATED = 0.95  # two fitted values that move together beyond this cannot be told apart [judgement]
 # What moves before the effect is added to a machine that is known.
 _FAULTS_ALONE = "CSJ and BLK alone"
@@ -159,7 +158,7 @@ def add_to_known(actuator: Actuator, effect: str, record: Record, holdout: Recor
     alone, together = beside_faults(evidence, effect)
     faulty = settled(evidence, alone)
     before = faulty.cost
-    fit = polished(refit(settled(evidence, together, rounds=1), together), _ROUNDS)
+    fit = fitted_from(evidence, together)
     diagnosis = Diagnosis("missing", fit, (), (), (fit,), before, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout)
@@ -211,7 +210,7 @@ def add_together(
     without: dict[str, Fit] = {}
     for effect in effects:
         rest = {name: value for name, value in fit.values.items() if effect_of(name) != effect}
-        without[effect] = polished(refit(settled(evidence, rest, rounds=1), rest), _ROUNDS)
+        without[effect] = fitted_from(evidence, rest)
     diagnosis = Diagnosis("missing", fit, (), (), (fit,), here.cost, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
@@ -255,7 +254,7 @@ def _fitted_together(evidence: Evidence, effects: Sequence[str], faults: Sequenc
         values = dict(fit.values)
         here = settled(evidence, values)
     assert fit is not None
-    return polished(fit, _ROUNDS)
+    return polished(fit, POLISHED)
 
 
 def _fitted(here: View, effect: str) -> Fit:
@@ -263,10 +262,10 @@ def _fitted(here: View, effect: str) -> Fit:
     evidence = here.evidence
     found = signatures(Screen(here), only=(effect,))[:_STARTS]
     fits = each(lambda signature: refit(here, signature.start()), found)
-    tries = [polished(min(fits, key=lambda fit: fit.cost), _ROUNDS)] if fits else []
+    tries = [polished(min(fits, key=lambda fit: fit.cost), POLISHED)] if fits else []
     if evidence.relative and any(evidence.actuator[value] > 0.0 for value in FAULTS.values()):
         _, together = beside_faults(evidence, effect)
-        tries.append(polished(refit(settled(evidence, together, rounds=1), together), _ROUNDS))
+        tries.append(fitted_from(evidence, together))
     if not tries:
         raise InputError(f"{effect}: the record shows nothing of it: nothing can be fitted")
     # a changed CSJ and BLK count only where they take off more than noise can make them

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
+from functools import cached_property
 
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, raw_cost, settled
 from ema_tools.fit.nuisance import moved
-from ema_tools.fit.refit import polished, refit
+from ema_tools.fit.refit import fitted_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.results.parts import ErrorsEntry
 from ema_tools.select.baseline import gather
@@ -18,28 +19,29 @@ from ema_tools.select.holdout import weighted
 from ema_tools.select.known_machine import KnownMachine, live
 from ema_tools.select.sensors import Suspect, odd_signal, suspect
 
-_ROUNDS = 3  # of fits with the nuisance parameters linear at the last one [effort]
-
 
 @dataclass(frozen=True)
 class ModelError:
     """Rms of the whitened residual; 1 is sensor noise alone where all signals are noisy.
 
-    `given`: the model as its file has it; `fitted`: with CSJ, BLK and nuisance parameters at their best, which are `today` by full name; `noise_level`: of a record with nothing new;
-    `baseline`: number of baseline records behind it; `sensor`: whose own error would explain what the model does not.
+    `given`: the model as its file has it; `fitted`: with CSJ, BLK and nuisance parameters at their best, which are `today` by full name; `noise_level`: of a record with nothing new.
     """
 
     given: float
     fitted: float
     noise_level: float
     today: Mapping[str, float]
-    baseline: int
-    sensor: Suspect | None = None
+    evidence: Evidence = field(repr=False)
 
     @property
     def explains(self) -> bool:
         """Whether the model leaves no more than a record with nothing new."""
         return bool(ErrorsEntry(self.given, self.fitted, self.noise_level).explained)
+
+    @cached_property
+    def sensor(self) -> Suspect | None:
+        """The sensor whose own error would explain what the model does not; sought when asked for."""
+        return None if self.explains else suspect(self.evidence) or odd_signal(self.evidence)
 
 
 def model_error(actuator: Actuator, record: Record, baseline: Sequence[Record] = ()) -> ModelError:
@@ -49,8 +51,7 @@ def model_error(actuator: Actuator, record: Record, baseline: Sequence[Record] =
     today = {name: values[name] for name in FAULTS.values() if name in values}
     given = weighted(raw_cost(evidence), evidence)
     # the model as given is one of those that the fit chooses from
-    found = ModelError(given, min(given, weighted(cost, evidence)), weighted(evidence.expected_cost(), evidence), today, len(baseline))
-    return found if found.explains else replace(found, sensor=suspect(evidence) or odd_signal(evidence))
+    return ModelError(given, min(given, weighted(cost, evidence)), weighted(evidence.expected_cost(), evidence), today, evidence)
 
 
 def error_where_known(actuator: Actuator, record: Record, baseline: Sequence[Record], asked: bool) -> ModelError | None:
@@ -68,8 +69,7 @@ def _with_faults(evidence: Evidence) -> tuple[Mapping[str, float], float]:
     known = KnownMachine(evidence)
     base = known.base({})
     start = {name: base.values[name] for name in known.faults}
-    view = settled(evidence, start, rounds=1)
-    fit = polished(refit(view, start), _ROUNDS)
+    fit = fitted_from(evidence, start)
     return fit.values, fit.cost
 
 

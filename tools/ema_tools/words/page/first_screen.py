@@ -19,12 +19,11 @@ from ema_tools.words.page.diagnosis_results import Diagnosed, ShownChange
 from ema_tools.words.page.recorded import Curves
 from ema_tools.words.page.sheet import FirstScreen, Reply, next_reply
 from ema_tools.words.sentences.balance import MOSTLY
-from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES, unexplained_by
+from ema_tools.words.sentences.diagnosis import AT_FLOOR, LEAVES, NOT_ACCEPTED, unexplained_by
 
 _TERM_PERCENT = 25.0  # a term that explains less of the excess is no description [judgement]
 _MODELS = {"before": "model as given", "after": "with what was found"}
 _WORSE = 1.05  # times an error, from which on it is told as worse [layout]
-NOT_ACCEPTED = " (not accepted)"
 
 
 @dataclass(frozen=True)
@@ -155,7 +154,8 @@ def _sentence(result: Diagnosed) -> str:
     if result.verdict == "missing":
         named = [one.name for one in accepted(result)]
         first = names.listed([names.display(named[0]), *map(names.within, named[1:])]) if named else "An effect"
-        first += "".join(f" or {names.within(rival)}" for rival in getattr(result.found, "rivals", ()))
+        rivals = () if isinstance(result.found, Addition) else result.found.rivals
+        first += "".join(f" or {names.within(rival)}" for rival in rivals)
         worn = f"; {names.listed(changed)}" if changed else f"; {names.listed(off)} off the data sheet" if off else ""
         mostly = _mostly_unexplained(result)
         least = f", and {mostly}" if mostly else ""

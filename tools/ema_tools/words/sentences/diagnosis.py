@@ -18,6 +18,7 @@ from ema_tools.words.sentences.sizes import significant, size_text
 
 AT_FLOOR = 1.05  # times the floor: an error no larger leaves chance alone, of which no share is told [judgement]
 MUCH = 2.0  # times the floor: so much is no other form of what was found [judgement]
+NOT_ACCEPTED = " (not accepted)"  # behind a model of the ladder that is not recommended
 LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
 
 

@@ -22,9 +22,9 @@ from ema_tools.results.identification import IdentificationResult, ValueEntry, V
 from ema_tools.results.parts import ForwardErrors, StepEntry
 from ema_tools.select.healthy_balance import SURE_RECORDS
 from ema_tools.select.outcome import Diagnosis as Searched
-from ema_tools.words.page.first_screen import NOT_ACCEPTED
 from ema_tools.words.sentences.balance import along_text, forward_sentence, friction_sentence, held_out_sentence, lag_sentence
 from ema_tools.words.sentences.base_values import note
+from ema_tools.words.sentences.diagnosis import NOT_ACCEPTED
 from ema_tools.words.sentences.identification import (
     BECAUSE,
     determined_words,
