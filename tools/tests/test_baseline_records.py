@@ -77,6 +77,8 @@ def with_table(folder: Path, table: str) -> Path:
         'sha256 = ["0"]',
         'records = ["a.csv"]\nsha256 = ["0", "1"]',
         'records = ["a.csv"]\nwithout = ["no_effect"]',
+        'records = ["a.csv"]\nbefore = {"screw.csj_Nm" = 0.1}',
+        'records = ["a.csv"]\nbefore = {"effects.presliding.stretch_rad" = "much"}',
     ],
 )
 def test_a_wrong_baseline_is_named(tmp_path: Path, rows: str) -> None:
@@ -106,10 +108,10 @@ def test_baseline_and_findings_are_read_as_they_were_written(tmp_path: Path) -> 
     records = baseline_records_of(model, worn)
     effect = model.changed({"effects.stribeck_friction.rise": 0.3})
     today = effect.changed({"screw.csj_Nm": 0.2, "screw.blk_mm": 0.07})
-    machine = with_state(effect, model, records, ["stribeck_friction"], worn, today, "add")
+    machine = with_state(effect, model, records, model, ["stribeck_friction"], worn, today, "add")
     machine.write(tmp_path / "machine.toml")
     again = read_actuator(tmp_path / "machine.toml")
-    assert again.baseline is not None and again.baseline.without == ("stribeck_friction",) and again.baseline.covers(records)
+    assert again.baseline is not None and again.baseline.since == ("stribeck_friction",) and again.baseline.covers(records)
     assert [Path(file).resolve() for file in again.healthy] == [(UNIT / name).resolve() for name in RUNS]
     assert again.before_baseline().active_effects == model.active_effects
     (finding,) = again.findings
@@ -117,7 +119,31 @@ def test_baseline_and_findings_are_read_as_they_were_written(tmp_path: Path) -> 
     # today's wear stands apart from the healthy values
     assert again["screw.csj_Nm"] == model["screw.csj_Nm"] and again["screw.blk_mm"] == model["screw.blk_mm"]
     # what is found on the same record again takes the place of the earlier finding
-    assert len(with_state(effect, again, records, (), worn, today, "add").findings) == 1
+    assert len(with_state(effect, again, records, model, (), worn, today, "add").findings) == 1
+
+
+def test_an_effect_that_grew_stands_in_the_baseline_as_it_was(tmp_path: Path) -> None:
+    model = read_actuator(UNIT / "unit.toml")
+    worn = read_record(UNIT / "worn.csv", model)
+    records = baseline_records_of(model, worn)
+    size = "effects.presliding.stretch_rad"
+    healthy, grown = model.changed({size: 0.003}), model.changed({size: 0.02})
+    with_state(grown, model, records, healthy, ["presliding"], worn, grown, "add").write(tmp_path / "machine.toml")
+    again = read_actuator(tmp_path / "machine.toml")
+    assert again["presliding.stretch_rad"] == 0.02 and again.before_baseline()["presliding.stretch_rad"] == 0.003
+    # what came before another effect stays as the first command found it
+    later = again.changed({"effects.stribeck_friction.rise": 0.3})
+    machine = with_state(later, again, records, again, ["stribeck_friction", "presliding"], worn, later, "add")
+    assert machine.baseline is not None and dict(machine.baseline.before or ()) == {
+        "effects.stribeck_friction.rise": 0.0,
+        size: 0.003,
+    }
+
+
+def test_effects_that_an_earlier_version_lists_were_not_there(tmp_path: Path) -> None:
+    file = with_table(tmp_path, '[baseline]\nrecords = ["a.csv"]\nwithout = ["presliding"]')
+    baseline = read_actuator(file).baseline
+    assert baseline is not None and baseline.before == (("effects.presliding.stretch_rad", 0.0),)
 
 
 def test_an_effect_that_is_set_by_hand_loses_nothing_of_the_file(tmp_path: Path) -> None:
@@ -125,7 +151,7 @@ def test_an_effect_that_is_set_by_hand_loses_nothing_of_the_file(tmp_path: Path)
     assert run_ema("add", unit, "winding_heating", "--set", "rise_degC=30", "-o", tmp_path / "hot.toml").code == 0
     hot = read_actuator(tmp_path / "hot.toml")
     assert [Path(file).resolve() for file in hot.healthy] == [(tmp_path / "unit" / name).resolve() for name in RUNS]
-    assert hot.baseline is not None and hot.baseline.without is None
+    assert hot.baseline is not None and hot.baseline.before is None
 
 
 def test_a_baseline_record_that_has_changed_is_named(tmp_path: Path) -> None:

@@ -160,7 +160,7 @@ def test_the_loop_ends_at_the_true_wear_and_leaves_what_it_did(tmp_path: Path) -
     assert (result["verdict"], [command[1] for command in result["commands"]]) == ("fault", ["compare", "diagnose", "add", "identify"])
     assert result["sentence"].startswith("Fault: CSJ +39.") and "BLK +100." in result["sentence"]
     machine = read_actuator(str(folder / "machine.toml"))
-    assert machine.baseline is not None and machine.baseline.without == ("stribeck_friction",)
+    assert machine.baseline is not None and machine.baseline.since == ("stribeck_friction",)
     assert (folder / "commands.txt").read_text(encoding="utf-8").count("ema ") == 4
     assert "<title>" in (folder / "report.html").read_text(encoding="utf-8")
 

@@ -383,7 +383,7 @@ def identify(
         # the model as it is: today's values are a finding
         kept = model.baseline or BaselineRecords.of(references)
         machine = replace(model.changed({}), baseline=kept)
-        replace(with_state(machine, model, (), (), measured, found.actuator, "identify"), baseline=kept).write(fitted, force)
+        replace(with_state(machine, model, (), model, (), measured, found.actuator, "identify"), baseline=kept).write(fitted, force)
     held = {"healthy": ", ".join(one.file for one in references)} if references else {}
     origin = provenance(command_line(), actuator=model.name, record=measured.file, seed=found.seed, precision=f"{precision} bit", **held)
     drawn = None
@@ -498,7 +498,7 @@ def diagnose(
         if isinstance(found, Answer):
             began = [one.name for one in found.effects]
             repeats = [one for one in references if isinstance(one, Record)] if found.evidence.relative else []
-            machine = with_state(found.machine, model, repeats, began, found.record, found.fitted, "diagnose")
+            machine = with_state(found.machine, model, repeats, found.evidence.actuator, began, found.record, found.fitted, "diagnose")
         machine.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
@@ -681,7 +681,7 @@ def add(
     said = "; ".join(filter(None, (model.about.get("source"), f"{', '.join(together)} fitted on {measured.file}")))
     drawn, evidence = None, found.fit.view.evidence
     machine = found.machine.changed({}, {"source": said})
-    machine = with_state(machine, model, repeats if evidence.relative else [], together, measured, found.fitted, "add")
+    machine = with_state(machine, model, repeats if evidence.relative else [], evidence.actuator, together, measured, found.fitted, "add")
     machine.write(out, force)
     # the number that ema compare states of the new file
     found = found.with_last_error(model_error(machine, measured, repeats if evidence.relative else []).fitted)

@@ -205,7 +205,7 @@ def _tell_story(output: Console, folder: Path, unit: _Unit) -> None:
     _command(output, 4, f"ema add {unit.sheet_file} {effect} --fit {unit.today_file} {unit.others} -o {_shown(folder / _MACHINE)}")
     with terminal.progress("adding", 100) as bar:
         added = add(unit.sheet, effect, unit.today, unit.healthy, unit.held_out, lambda share, text: bar.update(100.0 * share, text))
-    machine = with_state(added.machine, unit.sheet, unit.healthy, (effect,), unit.today, added.fitted, "add")
+    machine = with_state(added.machine, unit.sheet, unit.healthy, added.healthy, (effect,), unit.today, added.fitted, "add")
     added = added.with_last_error(model_error(machine, unit.today, unit.healthy).fitted)
     machine.write(folder / _MACHINE, True)
     drawn = curves(unit.today, before=simulated(added.fit.view.evidence.actuator, unit.today), after=simulated(added.fitted, unit.today))

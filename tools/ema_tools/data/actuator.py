@@ -218,12 +218,10 @@ class Actuator:
         return self.baseline.files if self.baseline is not None else ()
 
     def before_baseline(self) -> Actuator:
-        """The model without the effects that began after the baseline records; itself where the file names none."""
-        if self.baseline is None or not self.baseline.without:
+        """The model with the effects that began or grew after the baseline records as these have them; itself where the file names none."""
+        if self.baseline is None or not self.baseline.before:
             return self
-        known = {effect.name: effect for effect in load_definitions().effects}
-        absent = {known[name].size.name: known[name].size.nominal for name in self.baseline.without}
-        return replace(self.changed(absent), baseline=replace(self.baseline, without=()), findings=self.findings)
+        return replace(self.changed(dict(self.baseline.before)), baseline=replace(self.baseline, before=()), findings=self.findings)
 
     def keeping(self, healthy: Actuator, names: Iterable[str]) -> Actuator:
         """The actuator with the values `names` that `healthy` has: CSJ and BLK of today are not written as those of the healthy machine."""

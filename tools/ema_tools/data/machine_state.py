@@ -1,7 +1,7 @@
 """What the file of one machine holds beside its model: the baseline records, and findings of later records.
 
-`[baseline]` names records of the healthy machine from the file's folder, each with the SHA-256 of its content. `[[findings]]` holds static friction torque (CSJ) and backlash (BLK) that
-a command found on a later record. Neither changes a value of the model: the CSJ and BLK of [screw] are those of the healthy machine.
+`[baseline]` names records of the healthy machine from the file's folder, each with the SHA-256 of its content, and in `before` what effects of the model were like then. `[[findings]]`
+holds static friction torque (CSJ) and backlash (BLK) that a command found on a later record. Neither changes a value of the model: the CSJ and BLK of [screw] are those of the healthy machine.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -24,7 +24,9 @@ BASELINE, FINDINGS = "baseline", "findings"
 _CALIBRATION, _HEALTHY = "calibration", "healthy"
 # Values that a finding states, in the unit of their names.
 FOUND = {"screw.csj_Nm": "csj_Nm", "screw.blk_mm": "blk_mm"}
-_BASELINE_KEYS = ("records", "sha256", "without")
+_BASELINE_KEYS = ("records", "sha256")
+# Values of effects that began or grew after the baseline records, as these have them; the list of effects of an earlier version, which none of them has.
+_BEFORE, _WITHOUT = "before", "without"
 _FINDING_KEYS = ("record", "sha256", "command", *FOUND.values())
 
 
@@ -48,22 +50,29 @@ class _File(Protocol):
 class BaselineRecords:
     """Records of the healthy machine: `files`, and the SHA-256 of each where it is known.
 
-    `without`: effects of the model that these records do not have, where the model without them was fitted to the records; None where it was not.
+    `before`: values, by full name, of the effects that began or grew since, as these records have them, where the model with these values was fitted to the records; None where it was not.
     """
 
     files: tuple[str, ...]
     sha256: tuple[str, ...] = ()
-    without: tuple[str, ...] | None = None
+    before: tuple[tuple[str, float], ...] | None = None
 
     @classmethod
-    def of(cls, records: Iterable[_File], without: Sequence[str] | None = None) -> BaselineRecords | None:
+    def of(cls, records: Iterable[_File], before: Mapping[str, float] | None = None) -> BaselineRecords | None:
         """The baseline that `records` make; None where there are none, or one was not read from a file."""
         given = list(records)
         if not given or not all(record.sha256 for record in given):
             return None
         return cls(
-            tuple(record.path for record in given), tuple(record.sha256 for record in given), None if without is None else tuple(without)
+            tuple(record.path for record in given),
+            tuple(record.sha256 for record in given),
+            None if before is None else tuple(before.items()),
         )
+
+    @property
+    def since(self) -> tuple[str, ...]:
+        """Effects of the model that began or grew after these records."""
+        return tuple(dict.fromkeys(name.split(".")[1] for name, _ in self.before or ()))
 
     def covers(self, records: Iterable[_File]) -> bool:
         """Whether all of `records` are among these."""
@@ -101,16 +110,29 @@ def _texts(value: object) -> bool:
 def _baseline(table: object, file: str) -> BaselineRecords | None:
     if table is None:
         return None
-    wanted = f'[{BASELINE}]: it holds records = ["RECORD.csv", ...], sha256 with as many texts, and without = ["effect", ...]'
-    if not isinstance(table, dict) or not set(table) <= set(_BASELINE_KEYS) or not all(map(_texts, table.values())):
+    wanted = f'[{BASELINE}]: it holds records = ["RECORD.csv", ...], sha256 with as many texts, and before = {{"effects.NAME.FIELD" = NUMBER, ...}}'
+    if not isinstance(table, dict):
         raise InputError(f"{file}: {wanted}: correct it, or take it out")
-    files, sums, without = (table.get(key) for key in _BASELINE_KEYS)
+    before, without = table.pop(_BEFORE, None), table.pop(_WITHOUT, None)
+    if not set(table) <= set(_BASELINE_KEYS) or not all(map(_texts, table.values())) or not (without is None or _texts(without)):
+        raise InputError(f"{file}: {wanted}: correct it, or take it out")
+    files, sums = (table.get(key) for key in _BASELINE_KEYS)
     if not files or (sums is not None and len(sums) != len(files)):
         raise InputError(f"{file}: {wanted}: correct it, or take it out")
-    unknown = set(without or ()) - {effect.name for effect in load_definitions().effects}
+    if before is None and without is not None:
+        sizes = {effect.name: effect.size for effect in load_definitions().effects}
+        before = dict((f"effects.{sizes[name].name}", sizes[name].nominal) if name in sizes else (name, 0.0) for name in without)
+    return BaselineRecords(tuple(files), tuple(sums or ()), None if before is None else tuple(_before(before, file).items()))
+
+
+def _before(table: object, file: str) -> dict[str, float]:
+    """Values as the baseline records have them."""
+    if not isinstance(table, dict):
+        raise InputError(f'{file}: [{BASELINE}]: {_BEFORE}: it holds "effects.NAME.FIELD" = NUMBER: correct it, or take it out')
+    unknown = set(table) - {f"effects.{value.name}" for value in load_definitions().effect_values}
     if unknown:
-        raise InputError(f"{file}: [{BASELINE}]: without: {min(unknown)} is no effect: ema effects lists them")
-    return BaselineRecords(tuple(files), tuple(sums or ()), None if without is None else tuple(without))
+        raise InputError(f"{file}: [{BASELINE}]: {_BEFORE}: {min(unknown)} is no value of an effect: ema effects lists them")
+    return {name: _number(value, f"[{BASELINE}]", file) for name, value in table.items()}
 
 
 def _findings(rows: object, file: str) -> tuple[RecordFinding, ...]:
@@ -122,12 +144,17 @@ def _findings(rows: object, file: str) -> tuple[RecordFinding, ...]:
 def _finding(row: dict[str, Any], file: str) -> RecordFinding:
     texts = [row.get(key, "") for key in ("record", "sha256", "command")]
     numbers = {name: row[key] for name, key in FOUND.items() if key in row}
-    for value in numbers.values():
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise InputError(f"{file}: [[{FINDINGS}]]: {value} is no number: correct it, or take it out")
     if not all(isinstance(text, str) for text in texts):
         raise InputError(f"{file}: [[{FINDINGS}]]: record, sha256 and command are texts: put them in quotes")
-    return RecordFinding(texts[0], texts[1], texts[2], tuple((name, float(value)) for name, value in numbers.items()))
+    return RecordFinding(
+        texts[0], texts[1], texts[2], tuple((name, _number(value, f"[[{FINDINGS}]]", file)) for name, value in numbers.items())
+    )
+
+
+def _number(value: object, table: str, file: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{file}: {table}: {value} is no number: correct it, or take it out")
+    return float(value)
 
 
 def update_state(document: tomlkit.TOMLDocument, baseline: BaselineRecords | None, findings: Sequence[RecordFinding]) -> None:
@@ -145,9 +172,11 @@ def update_state(document: tomlkit.TOMLDocument, baseline: BaselineRecords | Non
         table.add("records", list(baseline.files))
         if baseline.sha256:
             table.add("sha256", list(baseline.sha256))
-        if baseline.without is not None:
-            table.add("without", list(baseline.without))
-            table["without"].comment("effects of the model that these records do not have")
+        if baseline.before is not None:
+            before = tomlkit.inline_table()
+            before.update(dict(baseline.before))
+            table.add(_BEFORE, before)
+            table[_BEFORE].comment("effects that began or grew after these records, as the records have them")
         document.add(BASELINE, table)
     if findings:
         rows = tomlkit.aot()

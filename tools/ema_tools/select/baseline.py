@@ -269,7 +269,7 @@ def gather(
     names = tuple(channels) if channels else common_channels([record, *healthy])
     if healthy:
         _check_repeats(record, healthy)
-        if actuator.baseline is not None and actuator.baseline.without is not None and actuator.baseline.covers(healthy):
+        if actuator.baseline is not None and actuator.baseline.before is not None and actuator.baseline.covers(healthy):
             return _against_own(actuator, record, healthy, names)
         return _against_repeats(actuator, record, healthy, names, report)
     return _of_data_sheet(actuator, record, names, ())

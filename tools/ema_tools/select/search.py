@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -133,6 +133,10 @@ def _in_special_cases(path: Path, strategy: Strategy) -> Path:
     return path
 
 
+def _is_tried(effect: str, strategy: Strategy) -> bool:
+    return strategy.only is None or effect in strategy.only
+
+
 def _newest(fit: Fit, held: Sequence[str]) -> str:
     return next((effect for effect in fit.effects if effect not in held), fit.effects[-1])
 
@@ -140,7 +144,11 @@ def _newest(fit: Fit, held: Sequence[str]) -> str:
 def _first_look(strategy: Strategy) -> list[Signature]:
     """Every effect's signatures from every place that the strategy looks from."""
     places = strategy.places()
-    seen = [replace(one, score=one.score - (view.cost - places[-1].cost)) for view in places for one in signatures(Screen(view))]
+    seen = [
+        replace(one, score=one.score - (view.cost - places[-1].cost))
+        for view in places
+        for one in signatures(Screen(view), only=strategy.only)
+    ]
     return sorted(seen, key=lambda signature: -signature.score)
 
 
@@ -165,12 +173,12 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
             # what is fitted already is fitted again with each new effect: it takes its share of what they explain
             seen = here.beside(slopes(here, steps[-1]))
             screen = Screen(seen)
-            found = signatures(screen, held, promising(screen, every, least) if every else None)
+            found = signatures(screen, held, promising(screen, every, least) if every else strategy.only)
             every = every or found
         found = strategy.kept(found)
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
-        confounded = strategy.confounded(steps[-1] if steps else None)
+        confounded = [fit for fit in strategy.confounded(steps[-1] if steps else None) if _is_tried(fit.effects[-1], strategy)]
         apart = {fit.effects[-1] for fit in confounded}
         worth = not rounds or max(scores.values(), default=0.0) > _WORTH_REFITS * least
         finalists = _finalists([one for one in found if one.candidate.effect not in apart], strategy) if worth else []
@@ -182,7 +190,9 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         fits = strategy.refined(best_of_each(each(refitted, finalists)), confounded, cost)
         slight = {effect for fit in fits if strategy.is_slight(fit, effect := _newest(fit, held))}
         fits = tuple(fit for fit in fits if _newest(fit, held) not in slight)
-        fits = strategy.in_order(_without_needless(fits, held, partial(strategy.needed, (), place + 1), strategy.floor))
+        if strategy.only is None:
+            fits = _without_needless(fits, held, partial(strategy.needed, (), place + 1), strategy.floor)
+        fits = strategy.in_order(fits)
         scores = {name: score for name, score in scores.items() if name not in slight}
         limits = {fit.effects[-1]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
         for fit in fits:
@@ -208,13 +218,13 @@ def standing_effects(evidence: Evidence, report: Report | None = None) -> Fit | 
     return path.steps[-1] if path.steps else None
 
 
-def diagnose(evidence: Evidence, report: Report | None = None) -> Diagnosis:
-    """The whole search on one record's evidence; `report` is told the share done and what is at work."""
-    strategy = strategy_for(evidence)
+def diagnose(evidence: Evidence, report: Report | None = None, only: Collection[str] | None = None) -> Diagnosis:
+    """The whole search on one record's evidence, among all effects and faults or `only` these; `report` is told the share done and what is at work."""
+    strategy = strategy_for(evidence, only)
     tell = report or untold
     path = _grown(strategy, strategy.limits.effects, tell)
     path = strategy.ended(path, lambda begun, effects_max: _grown(strategy, effects_max, tell, begun))
-    path = _in_special_cases(path, strategy)
+    path = _in_special_cases(path, strategy) if only is None else path
     alone = _alone(path, strategy) if path.steps and _is_far(path.steps[-1].cost, strategy) else None
     # what its own form leaves of it is no second effect
     path = replace(path, steps=(alone,)) if alone is not None else path

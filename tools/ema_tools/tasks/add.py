@@ -9,9 +9,7 @@ from enum import Enum
 import numpy as np
 
 from ema_tools.base.errors import InputError
-from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
-from ema_tools.compare import unexplained as unknowns
 from ema_tools.compare.localisation import where
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
@@ -27,10 +25,11 @@ from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, walk, weig
 from ema_tools.select.known_machine import known_machine
 from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis
+from ema_tools.select.search import diagnose
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
+from ema_tools.tasks.learned_tables import learned_tables, table_fit
 
-_STARTS = 4  # shapes of the effect that a fit begins from, the strongest first [effort]
 _CORRELATED = 0.95  # two fitted values that move together beyond this cannot be told apart [judgement]
 # What moves before the effect is added to a machine that is known.
 _FAULTS_ALONE = "CSJ and BLK alone"
@@ -122,13 +121,15 @@ def add(
     evidence = gather(actuator, record, healthy_of(record, healthy), report=lambda share, text: tell(0.5 * share, text))
     here = settled(evidence, {})
     tell(0.6, f"fitting {effect}")
-    fit = _learned(evidence, here, effect, record, healthy) if row.is_learned else _fitted(here, effect)
+    fit, accepted = (
+        (_learned(evidence, here, effect, record, healthy), False) if row.is_learned else _fitted(evidence, (effect,), _faults(evidence))
+    )
     before = here.cost
     diagnosis = Diagnosis("missing", fit, (), (), (fit,), before, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     correlations = tuple(_correlations(fit))
-    judgement = _judged(fit, effect, errors, before, correlations)
+    judgement = _judged(fit, effect, errors, before, correlations, accepted)
     own = fit.of_effect(effect)
     tell(1.0, "done")
     return Added(
@@ -205,8 +206,8 @@ def add_together(
     evidence = known_machine(actuator, record) if known else gather(actuator, record, healthy_of(record, healthy))
     tell(0.5, f"fitting {', '.join(effects)}")
     here = settled(evidence, {})
-    faults = [name for name, value in FAULTS.items() if (known or evidence.relative) and evidence.actuator[value] > 0.0]
-    fit = _fitted_together(evidence, effects, faults)
+    faults = _faults(evidence, known)
+    fit, accepted = (_one_by_one(evidence, effects, faults), False) if known else _fitted(evidence, effects, faults)
     without: dict[str, Fit] = {}
     for effect in effects:
         rest = {name: value for name, value in fit.values.items() if effect_of(name) != effect}
@@ -215,7 +216,7 @@ def add_together(
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     correlations = tuple(_correlations(fit))
-    judged = [_judged(fit, effect, errors, without[effect].cost, correlations) for effect in effects]
+    judged = [_judged(fit, effect, errors, without[effect].cost, correlations, accepted) for effect in effects]
     judgement = next((one for one in judged if not one.recommended), judged[0])
     own = {name: value for effect in effects for name, value in fit.of_effect(effect).items()}
     machine = actuator if known else fitted_machine(evidence, fit)
@@ -235,7 +236,20 @@ def add_together(
     )
 
 
-def _fitted_together(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> Fit:
+def _faults(evidence: Evidence, known: bool = False) -> list[str]:
+    """CSJ and BLK, where the evidence tells them from what scatters and the machine has them."""
+    return [name for name, value in FAULTS.items() if (known or evidence.relative) and evidence.actuator[value] > 0.0]
+
+
+def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> tuple[Fit, bool]:
+    """The effects at their best beside the faults, and whether the search of `ema diagnose`, among these alone, names them all: then this is the fit that it names them with."""
+    found = diagnose(evidence, only=(*effects, *faults))
+    if found.fit is not None and set(effects) <= set(found.fit.effects):
+        return found.fit, found.verdict == "missing" and all(one.accepted for one in found.named if one.name in effects)
+    return _one_by_one(evidence, effects, faults), False
+
+
+def _one_by_one(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> Fit:
     """All effects and faults at their best: the strongest signature first, all that are in refitted with each that comes."""
     remaining = [*effects, *faults]
     values: dict[str, float] = {}
@@ -246,7 +260,9 @@ def _fitted_together(evidence: Evidence, effects: Sequence[str], faults: Sequenc
         if not found:
             missing = [effect for effect in remaining if effect in effects]
             if missing:
-                raise InputError(f"{missing[0]}: the record shows nothing of it beside the other effects: nothing can be fitted")
+                raise InputError(
+                    f"{missing[0]}: the record shows nothing of it{' beside the other effects' if len(effects) > 1 else ''}: nothing can be fitted"
+                )
             break
         strongest = found[0]
         remaining.remove(strongest.candidate.effect)
@@ -257,33 +273,15 @@ def _fitted_together(evidence: Evidence, effects: Sequence[str], faults: Sequenc
     return polished(fit, POLISHED)
 
 
-def _fitted(here: View, effect: str) -> Fit:
-    """The effect at its best; against healthy repeats beside CSJ and BLK where they have changed too, which may hide the effect until they are fitted with it."""
-    evidence = here.evidence
-    found = signatures(Screen(here), only=(effect,))[:_STARTS]
-    fits = each(lambda signature: refit(here, signature.start()), found)
-    tries = [polished(min(fits, key=lambda fit: fit.cost), POLISHED)] if fits else []
-    if evidence.relative and any(evidence.actuator[value] > 0.0 for value in FAULTS.values()):
-        _, together = beside_faults(evidence, effect)
-        tries.append(fitted_from(evidence, together))
-    if not tries:
-        raise InputError(f"{effect}: the record shows nothing of it: nothing can be fitted")
-    # a changed CSJ and BLK count only where they take off more than noise can make them
-    return min(tries, key=lambda fit: fit.cost + (len(fit.effects) - 1) * LEAST_LIMIT)
-
-
 def _learned(evidence: Evidence, here: View, effect: str, record: Record, healthy: Sequence[Record]) -> Fit:
     """The table that the balances suggest, its gain fitted in the loop."""
-    machine = fitted_machine(evidence, None)
-    places = where(machine, record, healthy_of(record, healthy), evidence.whiten, evidence.channels)
-    tables = [table for one in unknowns.left_over(machine, record, places) if (table := unknowns.learned(one)) is not None]
+    places = where(fitted_machine(evidence, None), record, healthy_of(record, healthy), evidence.whiten, evidence.channels)
+    tables = learned_tables(evidence, record, places)
     table = next((table for table in tables if table.effect == effect), None)
     if table is None:
         there = f"; {tables[0].effect} would fit" if tables else ""
         raise InputError(f"{effect}: nothing in the record repeats in a way that it could hold{there}: ema diagnose draws what is left")
-    gain = f"effects.{effect}.gain"
-    shape = {name: value for name, value in table.changes.items() if name != gain}
-    return refit(here, {gain: 1.0}, shape)
+    return table_fit(here, table)
 
 
 def _correlations(fit: Fit) -> list[tuple[str, str, float]]:
@@ -295,10 +293,13 @@ def _correlations(fit: Fit) -> list[tuple[str, str, float]]:
     return sorted((pair for pair in pairs if abs(pair[2]) > _CORRELATED), key=lambda pair: -abs(pair[2]))
 
 
-def _judged(fit: Fit, effect: str, errors: ErrorFall, before: float, correlations: Sequence[tuple[str, str, float]]) -> Judgement:
-    if before - fit.cost < LEAST_LIMIT:
+def _judged(
+    fit: Fit, effect: str, errors: ErrorFall, before: float, correlations: Sequence[tuple[str, str, float]], accepted: bool = False
+) -> Judgement:
+    """What an effect that took the error from the cost `before` is judged by; `accepted`: the search has named it already."""
+    if not accepted and before - fit.cost < LEAST_LIMIT:
         return Judgement(Why.NOISE)
-    if not fit.determined(effect):
+    if not accepted and not fit.determined(effect):
         return Judgement(Why.UNDETERMINED)
     bound = [name for name in fit.at_bound if effect_of(name) == effect]
     if bound:

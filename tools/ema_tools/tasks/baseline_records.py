@@ -12,6 +12,8 @@ from ema_tools.data.any_record import read_any_record
 from ema_tools.data.machine_state import FOUND, BaselineRecords, RecordFinding
 from ema_tools.data.motion_records import AnyRecord, same_samples
 from ema_tools.data.records import Record, read_record
+from ema_tools.library.definitions import load_definitions
+from ema_tools.library.faults import effect_of
 from ema_tools.select.baseline import same_command
 from ema_tools.select.known_machine import repeats_of
 
@@ -56,24 +58,39 @@ def why_not_used(actuator: Actuator, record: Record) -> str:
 
 def carried(machine: Actuator, given: Actuator) -> Actuator:
     """`machine`, which a command made of `given`, with the findings of `given` and its baseline, as one to which this model is not fitted."""
-    baseline = replace(given.baseline, without=None) if given.baseline is not None else None
+    baseline = replace(given.baseline, before=None) if given.baseline is not None else None
     return replace(machine, baseline=baseline, findings=given.findings)
 
 
 def with_state(
-    machine: Actuator, given: Actuator, records: Sequence[Record], began: Sequence[str], record: Record, today: Actuator, command: str
+    machine: Actuator,
+    given: Actuator,
+    records: Sequence[Record],
+    healthy: Actuator,
+    began: Sequence[str],
+    record: Record,
+    today: Actuator,
+    command: str,
 ) -> Actuator:
     """The machine that a command writes, with its baseline and one finding more.
 
-    `given`: the actuator that the command read, `records`: the baseline records that `machine` was fitted to, `began`: the effects that came after them, `today`: the machine with the CSJ and BLK
-    of `record`. Without `records` the baseline of `given` stays, and counts as one to which this model is not fitted.
+    `given`: the actuator that the command read, `records`: the baseline records that `healthy` was fitted to, `began`: the effects that came or grew after them,
+    `today`: the machine with the CSJ and BLK of `record`. Without `records` the baseline of `given` stays, and counts as one to which this model is not fitted.
     """
     earlier = given.baseline
     baseline = carried(machine, given).baseline
     if records:
-        known = earlier.without or () if earlier is not None and earlier.covers(records) else ()
+        known = dict(earlier.before or ()) if earlier is not None and earlier.covers(records) else {}
+        before = {**_values_of(began, healthy), **known}
         active = machine.active_effects
-        baseline = BaselineRecords.of(records, [effect for effect in dict.fromkeys((*known, *began)) if effect in active])
+        baseline = BaselineRecords.of(records, {name: value for name, value in before.items() if effect_of(name) in active})
     finding = RecordFinding(record.path, record.sha256, command, tuple((name, today[name]) for name in FOUND if today.has(name)))
     others = tuple(one for one in given.findings if one.sha256 != finding.sha256)
     return replace(machine, baseline=baseline, findings=(*others, finding) if record.sha256 else others)
+
+
+def _values_of(effects: Sequence[str], machine: Actuator) -> dict[str, float]:
+    """Values of effects in a machine, by full name: all of one that it has, the size alone of one that it lacks."""
+    rows = [load_definitions().effect(effect) for effect in effects]
+    wanted = [value for row in rows for value in (row.parameters if row.name in machine.active_effects else (row.size,))]
+    return {f"effects.{value.name}": machine[value.name] for value in wanted}

@@ -29,6 +29,7 @@ from ema_tools.select.sensors import Suspect, odd_signal, suspect, without_volta
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
 from ema_tools.select.warmth import GreaseToday, MagnetsToday, following, with_magnets_free, without_magnets
+from ema_tools.tasks.learned_tables import helpful_tables
 
 _FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
 
@@ -311,6 +312,6 @@ def answer(
         # attempts that are not accepted would be seen in what they leave: a voltage that is not missing, say
         left = unknowns.left_over(known, record, places)
         # a sensor's error is not flown
-        table = unknowns.learned(left[0]) if left and sensor is None else None
+        table = next(helpful_tables(evidence, record, places), None) if sensor is None else None
     tell(1.0, "done")
     return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong, sensor, doubt)

@@ -370,9 +370,9 @@ def identify(
         return _identify(actuator, record, healthy, search, seeds, bits, progress, guarding, table, stage, since)
 
     baseline = actuator.baseline
-    if baseline is not None and baseline.without is not None and healthy and baseline.covers(healthy):
+    if baseline is not None and baseline.before is not None and healthy and baseline.covers(healthy):
         # the file says which effects the healthy records lack
-        return answered(baseline.without)
+        return answered(baseline.since)
     found = answered()
     checked = found.checked
     held = actuator.active_effects

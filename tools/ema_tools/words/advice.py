@@ -195,10 +195,8 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
         fitted = line.options.get("--fitted")
         if fitted:
             records = line.records if by_balance else (record,)
-            # the new file names its baseline records
-            again = _ema(
-                "diagnose", fitted[0], *records, more=line.again("--healthy", "--holdout") if by_balance else line.again("--holdout")
-            )
+            # the new file names its baseline records; by the balance it has today's effects, which the healthy records lack
+            again = _ema("diagnose", fitted[0], *records, more=line.again("--holdout"))
             if found.error.explained and not by_balance:
                 return read_sizes(fitted[0], line)
             return Advice("Diagnose with the new model", "", "", again)

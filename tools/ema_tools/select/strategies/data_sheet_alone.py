@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -40,8 +40,8 @@ class DataSheetAlone(Strategy):
         model_error=0.05,  # what no parameter of a unit holds, such as a slight ripple of its friction, leaves so much [measured]
     )
 
-    def __init__(self, evidence: Evidence) -> None:
-        super().__init__(evidence)
+    def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
+        super().__init__(evidence, only)
         self._free = settled(evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
 
     def floor_costs(self) -> Reals:

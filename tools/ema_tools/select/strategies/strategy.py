@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,12 +39,14 @@ class SearchLimits:
 
 
 class Strategy(ABC):
-    """One way to seek what is missing in `evidence`. `start`: where nothing is added and what scatters is at its best; `floor`: the cost of a record with nothing new."""
+    """One way to seek what is missing in `evidence`. `start`: where nothing is added and what scatters is at its best; `floor`: the cost of a record with nothing new; `only`: the effects and
+    faults that are tried, all where it is None."""
 
     limits: SearchLimits
 
-    def __init__(self, evidence: Evidence) -> None:
+    def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         self.evidence = evidence
+        self.only = only
         self.start = settled(evidence, {})
         self.limit = self.limits.least
         costs = self.floor_costs()

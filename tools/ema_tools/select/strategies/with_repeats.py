@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -45,9 +45,9 @@ class WithRepeats(Strategy):
         model_error=0.02,  # what a missing interplay of a change and a standing error may leave [judgement]
     )
 
-    def __init__(self, evidence: Evidence) -> None:
+    def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         self._repeats = evidence.of_repeats
-        super().__init__(evidence)
+        super().__init__(evidence, only)
         self._beyond = max(raw_cost(evidence) - self.floor, 0.0)
 
     def floor_costs(self) -> Reals:
