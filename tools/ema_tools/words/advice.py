@@ -200,9 +200,6 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
             if found.error.explained and not by_balance:
                 return read_sizes(fitted[0], line)
             return Advice("Diagnose with the new model", "", "", again)
-        if not by_balance and accepted[0] in found.standing:
-            # the healthy records were made without it
-            return read_sizes(line.actuator, line, "--healthy")
         if by_balance and healthy:
             # ema add fits to the records of today alone
             again = _ema("diagnose", line.actuator, *line.records, *healthy, *line.again("--holdout"))
