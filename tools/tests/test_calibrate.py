@@ -238,6 +238,7 @@ def test_the_odd_one_among_healthy_runs_is_named(tmp_path: Path, command: str, o
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_values_far_from_the_file_are_said(tmp_path: Path) -> None:
     """A lead that is five times too long is made up for by inertia and back-EMF."""
     wrong = tmp_path / "wrong.toml"

@@ -449,6 +449,7 @@ def test_identify_refuses_itself_as_healthy(runs: dict[str, Path]) -> None:
     assert complaint(twice) == "healthy_0.csv: given twice: give every healthy run once"
 
 
+@pytest.mark.slow
 def test_identify_blames_a_record_that_cannot_answer_and_no_effect(bad: dict[str, Path], tmp_path: Path) -> None:
     hot = run_of(1, HOT)
     alone = replace(hot, motor_position_mm=None, current_A=None, voltage_V=None)

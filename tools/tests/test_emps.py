@@ -99,6 +99,7 @@ def test_calibrate_finds_the_published_values(imported: Path) -> None:
         assert result["std"][name] > getattr(PUBLISHED_STD, name)
 
 
+@pytest.mark.slow
 def test_calibrate_does_not_need_the_published_start(imported: Path) -> None:
     actuator = read_actuator(imported / "actuator.toml")
     wrong = ForceModel(mass_kg=60.0, viscous_N_s_per_m=100.0, coulomb_N=40.0, offset_N=0.0)

@@ -184,9 +184,9 @@ def test_patterns_are_what_the_balance_makes_of_the_effects(changes: dict[str, f
 
 
 def test_record_without_torque_is_refused() -> None:
-    actuator, record = axis_record({})
+    rod = np.zeros(100)
     with pytest.raises(MissingSignal, match="current_A is not recorded"):
-        improve_by_forces(actuator, (Record(1e-3, command_mm=record.command_mm, position_mm=record.position_mm),))
+        improve_by_forces(reference_actuator(), (Record(1e-3, command_mm=rod, position_mm=rod),))
 
 
 @pytest.fixture(scope="module")
