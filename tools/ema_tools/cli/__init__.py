@@ -458,7 +458,7 @@ def diagnose(
     from ema_tools.data.records import Record, simulated
     from ema_tools.results.provenance import curves, provenance
     from ema_tools.select.fixes import fixes_of
-    from ema_tools.tasks.baseline_records import carried, given_or_own, with_state
+    from ema_tools.tasks.baseline_records import by_sheet, carried, given_or_own, with_state
     from ema_tools.tasks.diagnose import Answer
     from ema_tools.tasks.method import chosen, diagnosed
     from ema_tools.tasks.workbench import bench
@@ -499,6 +499,7 @@ def diagnose(
             began = [one.name for one in found.effects]
             repeats = [one for one in references if isinstance(one, Record)] if found.evidence.relative else []
             machine = with_state(found.machine, model, repeats, found.evidence.actuator, began, found.record, found.fitted, "diagnose")
+            machine = machine if repeats else by_sheet(machine)
         machine.write(kept, force)
     show.diagnosed(output(), result, found.diagnosis if isinstance(found, Answer) else None)
     _written(page, kept)
@@ -594,7 +595,7 @@ def add(
     from ema_tools.tasks.add import add as work
     from ema_tools.tasks.add import add_to_known, add_together
     from ema_tools.tasks.add_by_balance import add_by_balance
-    from ema_tools.tasks.baseline_records import carried, given_or_own, with_state
+    from ema_tools.tasks.baseline_records import by_sheet, carried, given_or_own, with_state
     from ema_tools.tasks.effects import find_effect
     from ema_tools.tasks.method import check_fixes, chosen
     from ema_tools.tasks.model_error import model_error
@@ -682,6 +683,7 @@ def add(
     drawn, evidence = None, found.fit.view.evidence
     machine = found.machine.changed({}, {"source": said})
     machine = with_state(machine, model, repeats if evidence.relative else [], evidence.actuator, together, measured, found.fitted, "add")
+    machine = machine if known or evidence.relative else by_sheet(machine)
     machine.write(out, force)
     # the number that ema compare states of the new file
     found = found.with_last_error(model_error(machine, measured, repeats if evidence.relative else []).fitted)

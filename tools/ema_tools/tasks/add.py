@@ -242,11 +242,13 @@ def _faults(evidence: Evidence, known: bool = False) -> list[str]:
 
 
 def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> tuple[Fit, bool]:
-    """The effects at their best beside the faults, and whether the search of `ema diagnose`, among these alone, names them all: then this is the fit that it names them with."""
+    """The effects at their best beside the faults, and whether the search of `ema diagnose`, among these alone, names them all with the fit that it names them with."""
     found = diagnose(evidence, only=(*effects, *faults))
-    if found.fit is not None and set(effects) <= set(found.fit.effects):
-        return found.fit, found.verdict == "missing" and all(one.accepted for one in found.named if one.name in effects)
-    return _one_by_one(evidence, effects, faults), False
+    named = [found.fit] if found.fit is not None and set(effects) <= set(found.fit.effects) else []
+    accepted = found.verdict == "missing" and all(one.accepted for one in found.named if one.name in effects)
+    # what has changed with an effect may hide it until all are fitted together
+    best = min((*named, _one_by_one(evidence, effects, faults)), key=lambda fit: fit.cost + LEAST_LIMIT * len(fit.effects))
+    return best, accepted and best is found.fit
 
 
 def _one_by_one(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> Fit:

@@ -12,10 +12,15 @@ from ema_tools.data.any_record import read_any_record
 from ema_tools.data.machine_state import FOUND, BaselineRecords, RecordFinding
 from ema_tools.data.motion_records import AnyRecord, same_samples
 from ema_tools.data.records import Record, read_record
+from ema_tools.fit.nuisance import FROM_DATA_SHEET
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import effect_of
 from ema_tools.select.baseline import same_command
 from ema_tools.select.known_machine import repeats_of
+from ema_tools.tasks.onboard_search import SCATTERS
+
+# Of healthy values that a data sheet alone tells, standard deviation in % [physics]
+_OF_SHEET = {SCATTERS[name]: 100.0 * FROM_DATA_SHEET[(name,)] for name in SCATTERS}
 
 
 def baseline_records_of(actuator: Actuator, record: Record) -> tuple[Record, ...]:
@@ -86,7 +91,24 @@ def with_state(
         baseline = BaselineRecords.of(records, {name: value for name, value in before.items() if effect_of(name) in active})
     finding = RecordFinding(record.path, record.sha256, command, tuple((name, today[name]) for name in FOUND if today.has(name)))
     others = tuple(one for one in given.findings if one.sha256 != finding.sha256)
+    if records and known_by_sheet(given):
+        machine = machine.changed(dict.fromkeys(SCATTERS.values(), 0.0))
     return replace(machine, baseline=baseline, findings=(*others, finding) if record.sha256 else others)
+
+
+def by_sheet(machine: Actuator) -> Actuator:
+    """The machine with its healthy CSJ and BLK as uncertain as a data sheet leaves them, where no healthy record has told them and the file states nothing."""
+    if machine.baseline is not None or any(machine[name] > 0.0 for name in SCATTERS.values()):
+        return machine
+    return machine.changed(
+        _OF_SHEET,
+        remarks=dict.fromkeys(_OF_SHEET, "as units differ from their data sheet: no healthy record has told the healthy value [%]"),
+    )
+
+
+def known_by_sheet(machine: Actuator) -> bool:
+    """Whether `by_sheet` made it so."""
+    return machine.baseline is None and all(machine[name] == percent for name, percent in _OF_SHEET.items())
 
 
 def _values_of(effects: Sequence[str], machine: Actuator) -> dict[str, float]:

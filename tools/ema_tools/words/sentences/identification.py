@@ -13,6 +13,7 @@ from ema_tools.library.display_names import all_coded, coded, value_called
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
 from ema_tools.select.cross_check import LITTLE_LEFT, CrossCheck
+from ema_tools.tasks.baseline_records import known_by_sheet
 from ema_tools.tasks.healthy_runs import DRY
 from ema_tools.tasks.identify import NOT_ADEQUATE, Identified
 from ema_tools.tasks.objective_shape import Undetermined
@@ -101,6 +102,8 @@ def objection_words(found: Identified, checked: CrossCheck) -> str:
         scatter = ", ".join(
             f"{TITLES[name]} by {significant(100.0 * found.healthy_std(name) / abs(found.healthy[name]), 2)} %" for name in checked.shift
         )
+        if known_by_sheet(found.healthy):
+            return f"no healthy record has told this unit's healthy values, and units differ from their data sheet ({scatter}): healthy records of it would tell"
         if set(checked.shift) & set(found.healthy.scatter):
             return f"this unit differs too much from run to run to tell ({scatter}), as [scatter] of its file states, and only what further runs show again is a change"
         return (
