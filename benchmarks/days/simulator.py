@@ -119,7 +119,6 @@ def _run(command_m: Reals, values: Reals, phase: float, found: Reals) -> None:
     ohm *= 1.0 + 0.0039 * hot
     stiff *= math.exp(-3.0 * soft)
     bus *= 1.0 - low
-    gain *= 1.0 - off
     most_A = 1e9 if limit <= 0.0 else 24.0 / 0.99 * (1.0 - limit) * 0.35
     angle, speed, bent, current = 0.0, 0.0, 0.0, 0.0
     rod, rod_speed, sum_up = 0.0, 0.0, 0.0
@@ -133,7 +132,7 @@ def _run(command_m: Reals, values: Reals, phase: float, found: Reals) -> None:
         seen = seen_now + share * (seen_before - seen_now)
         seen_before = seen_now
         error = command_m[tick] - seen
-        wanted = gain * error + sum_up
+        wanted = gain * (1.0 - off) * error + sum_up
         asked = min(1.0, max(-1.0, wanted))
         sum_up += TICK_S * (gain * error + 50.0 * (asked - wanted))
         found[0, tick], found[1, tick], found[2, tick], found[3, tick] = rod, seen_now, current, asked * _SHEET_V
