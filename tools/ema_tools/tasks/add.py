@@ -248,7 +248,15 @@ def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -
     accepted = found.verdict == "missing" and all(one.accepted for one in found.named if one.name in effects)
     # what has changed with an effect may hide it until all are fitted together
     best = min((*named, _one_by_one(evidence, effects, faults)), key=lambda fit: fit.cost + LEAST_LIMIT * len(fit.effects))
-    return best, accepted and best is found.fit
+    return _in_order(best, effects), accepted and best is found.fit
+
+
+def _in_order(fit: Fit, effects: Sequence[str]) -> Fit:
+    """The fit with these effects in front, as they were asked for, and what came beside them behind."""
+    order = [*effects, *(effect for effect in fit.effects if effect not in effects)]
+    places = sorted(range(len(fit.fitted)), key=lambda place: order.index(effect_of(fit.fitted[place])))
+    values = {name: fit.values[name] for name in [*(fit.fitted[place] for place in places), *fit.values]}
+    return replace(fit, effects=tuple(order), values=values, covariance=fit.covariance[np.ix_(places, places)])
 
 
 def _one_by_one(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> Fit:
