@@ -12,7 +12,7 @@ import pytest
 from benchmarks.loop import simulator, trials
 from benchmarks.loop.document import written
 from benchmarks.loop.trials import Trial, Truth
-from benchmarks.loop.walk import MOST_COMMANDS, Answer, Walk, judged, perform, walked
+from benchmarks.loop.walk import MOST_COMMANDS, Answer, Walk, ema, judged, perform, walked
 
 FIRST = ["ema", "diagnose", "reference", "today.csv"]
 IDENTIFY = ["ema", "identify", "reference", "today.csv"]
@@ -170,3 +170,15 @@ def test_a_walk_on_the_simulator_ends_at_the_truth(faults: tuple[tuple[str, floa
 def test_a_trial_names_what_is_hidden() -> None:
     trial = Trial(7, "effect and fault", "truth", 1, ("supply_sag",), "large", (("csj", 0.4),), 0)
     assert trial.key == "7: effect and fault, truth 1, chirp: supply_sag + csj +40 % large, no baseline"
+
+
+@pytest.mark.slow
+def test_what_explains_as_much_too_weakly_to_be_named_is_told_beside_what_is_named(tmp_path: Path) -> None:
+    """Stribeck friction of a joint whose records hardly reach the speeds where it falls: a drag that bends does the same there."""
+    trial = next(one for one in trials.trials() if one.number == 620)
+    first, truth = trial.prepare(tmp_path)
+    answer = ema(first, tmp_path, "answer.json")
+    assert answer.code == 0, answer.err
+    named = next(one for one in answer.result["effects"] if one["accepted"])
+    assert truth.effects == ("stribeck_friction",)
+    assert set(truth.effects) <= {named["name"], *named["class"]}

@@ -722,7 +722,9 @@ def _improved(
         else:
             best = added[0]
             bent = best.fit.patterns[-1].bends
-        alike = _class_of(best, added) if pair is None else ()
+        # what the records show too weakly to name it may explain as much
+        weak = [one for one in search.weak if not outside(one.fit) and not search.judge.another(one.fit, one.effect)]
+        alike = _class_of(best, [*added, *weak]) if pair is None else ()
         special = record_of(best.effect).special_case
         if special and any(one.effect == special for one in before.patterns):
             needless.append(Refusal(special, f"a special case of {coded(called(best.effect))}, which came later and does more"))
