@@ -108,7 +108,8 @@ def walked(first: Sequence[str], folder: Path, run: Command = ema) -> Walk:
             {"command": line, "sentence": sentence, "next": " | ".join(advice), "seconds": round(time.monotonic() - begun, 1)}
         )
         if failed:
-            walk.end = "error"
+            # records that the first command refuses are said to be too little: nothing was advised before
+            walk.end = "error" if len(walk.steps) > 1 or "Traceback" in sentence or not answer.err.startswith("ema: ") else "open"
             return walk
         walk.results.append(answer.result)
         commands = [list(command) for command in answer.result.get("next", ())]

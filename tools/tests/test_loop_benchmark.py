@@ -182,3 +182,19 @@ def test_what_explains_as_much_too_weakly_to_be_named_is_told_beside_what_is_nam
     named = next(one for one in answer.result["effects"] if one["accepted"])
     assert truth.effects == ("stribeck_friction",)
     assert set(truth.effects) <= {named["name"], *named["class"]}
+
+
+@pytest.mark.slow
+def test_what_the_balance_names_can_be_added_where_a_free_inertia_would_hide_it(tmp_path: Path) -> None:
+    trial = next(one for one in trials.trials() if one.number == 564)
+    row = perform(trial)
+    assert [step["command"].split()[1] for step in row["steps"]] == ["diagnose", "add", "diagnose"]
+    assert row["judged"] in ("right", "undecided")
+
+
+def test_records_that_the_first_command_refuses_are_no_advice_that_fails(tmp_path: Path) -> None:
+    refused = Answer(1, "", "ema: today.csv: too few rows: record more", {})
+    assert walked(FIRST, tmp_path, lambda *_: refused).end == "open"
+    assert walked(FIRST, tmp_path, lambda *_: Answer(1, "", "Traceback (most recent call last):", {})).end == "error"
+    advised = iter((diagnosis(IDENTIFY), refused))
+    assert walked(FIRST, tmp_path, lambda *_: next(advised)).end == "error"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from ema_tools.base.arrays import Reals
+from ema_tools.base.errors import InputError
 from ema_tools.base.lag import lagged, remembered
 from ema_tools.base.progress import Report, untold
 from ema_tools.data.actuator import Actuator
@@ -143,7 +144,12 @@ def with_lag_fitted(
         return at_once
     # an effect that is refused for what a lag does to it is found with about that lag
     shown, lag_s = bool(lag_s), lag_s or _GUESS_S
-    late = run(actuator.with_drive_lag(lag_s), lambda share, text: report(0.5 + 0.25 * share, text))
+    try:
+        late = run(actuator.with_drive_lag(lag_s), lambda share, text: report(0.5 + 0.25 * share, text))
+    except InputError:
+        # an effect that is asked for may not show beside a lag that is none
+        report(1.0, "done")
+        return at_once
     if not shown and not _left(late)[1]:
         report(1.0, "done")
         return at_once

@@ -216,6 +216,9 @@ def _add_by_forces(
         return refit.finished(given, before, last, search.judged_against(before, effect, last))
     before = bench.judged(begun)
     found = search.tried(before, effect, asked=True)
+    if isinstance(found, Refusal) and INERTIA not in fixes.as_stated:
+        # a free inertia may hide it, as in the search of ema diagnose
+        return _add_by_forces(actuator, effect, records, holdout, fixes.without(INERTIA), tell)
     if isinstance(found, Refusal):
         raise InputError(f"add {effect}: {found.reason}: ema diagnose says what these records ask for")
     if INERTIA not in fixes.as_stated and unphysical(INERTIA, found.fit):
