@@ -173,8 +173,7 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
             # what is fitted already is fitted again with each new effect: it takes its share of what they explain
             seen = here.beside(slopes(here, steps[-1]))
             screen = Screen(seen)
-            wanted = promising(screen, every, least) if every else strategy.only
-            found = signatures(screen, held, wanted if wanted is None else [name for name in wanted if _is_tried(name, strategy)])
+            found = signatures(screen, held, promising(screen, every, least) if every and strategy.only is None else strategy.only)
             every = every or found
         found = strategy.kept(found)
         scores = {name: signature.score for name, signature in _strongest(found).items()}

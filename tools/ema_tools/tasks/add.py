@@ -242,13 +242,20 @@ def _faults(evidence: Evidence, known: bool = False) -> list[str]:
 
 
 def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> tuple[Fit, bool]:
-    """The effects at their best beside the faults, and whether the search of `ema diagnose`, among these alone, names them all with the fit that it names them with."""
-    found = diagnose(evidence, only=(*effects, *faults))
-    named = [found.fit] if found.fit is not None and set(effects) <= set(found.fit.effects) else []
-    accepted = found.verdict == "missing" and all(one.accepted for one in found.named if one.name in effects)
+    """The effects at their best beside the faults, and whether the search of `ema diagnose` names them all with this fit: the search among these alone, or among all, which may come to them
+    by way of another."""
+    for only in ((*effects, *faults), None):
+        found = diagnose(evidence, only=only)
+        fit = found.fit
+        if fit is not None and set(effects) <= set(fit.effects) <= {*effects, *FAULTS} and found.verdict == "missing":
+            accepted = all(one.accepted for one in found.named if one.name in effects)
+            break
+    else:
+        fit, accepted = None, False
     # what has changed with an effect may hide it until all are fitted together
-    best = min((*named, _one_by_one(evidence, effects, faults)), key=lambda fit: fit.cost + LEAST_LIMIT * len(fit.effects))
-    return _in_order(best, effects), accepted and best is found.fit
+    tries = [_one_by_one(evidence, effects, faults), *([fit] if fit is not None else [])]
+    best = min(tries, key=lambda one: one.cost + LEAST_LIMIT * len(one.effects))
+    return _in_order(best, effects), accepted and best is fit
 
 
 def _in_order(fit: Fit, effects: Sequence[str]) -> Fit:
