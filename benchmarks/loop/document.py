@@ -56,8 +56,10 @@ def written(rows: Rows, call: str) -> str:
     lines += [f"| {title} | 0 | {'**no**' if count else 'yes'} | {count} of {len(rows)} |" for title, count in counts.items()]
     lines += ["", "## By kind", "", head, "|---|" + "---:|" * (len(ENDS) + 2)]
     lines += [_row(kind, [row for row in rows if row["kind"] == kind]) for kind in kinds]
-    lines += [_row("**all**", rows), "", "## Walks that did not end right", ""] if rows else []
-    for row in sorted(rows, key=lambda row: -ENDS.index(row["judged"])):
-        if row["judged"] != "right":
+    lines += [_row("**all**", rows), "", "## Walks that ended wrong", ""] if rows else []
+    for row in rows:
+        if row["judged"] not in ("right", "undecided"):
             lines += _walk(dict(row))
+    undecided = [bool(row["baseline"]) for row in rows if row["judged"] == "undecided"]
+    lines += [f"Of the undecided ones {sum(undecided)} had baseline records and {len(undecided) - sum(undecided)} none."]
     return "\n".join(lines) + "\n"
