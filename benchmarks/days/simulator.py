@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy import signal
 
+from benchmarks.loop.simulator import chirp_mm
 from ema_tools.base.arrays import Reals
 from ema_tools.base.compiled import compiled
 from ema_tools.base.recording import Recording
@@ -188,12 +189,6 @@ def machine_values(number: int) -> dict[str, float]:
     for name, std in _MACHINES_ABSOLUTE.items():
         found[name] += std * float(np.clip(random.normal(), -2.0, 2.0))
     return found
-
-
-def chirp_mm(ticks: int = 10_000) -> Reals:
-    """A sine of 2 mm whose frequency rises evenly from 0.1 to 4 Hz, [ticks]."""
-    time_s = TICK_S * np.arange(ticks)
-    return np.asarray(2.0 * np.sin(2.0 * math.pi * (0.1 * time_s + 0.5 * 3.9 / (ticks * TICK_S) * time_s**2)))
 
 
 def record(number: int, seed: Sequence[int], changes: Mapping[str, float], days: float = 1.0) -> Recording:

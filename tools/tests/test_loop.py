@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.data.machine_state import RecordFinding
 from ema_tools.library.faults import FAULTS
+from ema_tools.tasks.baseline_records import by_sheet, known_by_sheet
 from support import REFERENCE, ROOT, run_ema
 
 NOISE = "position_mm=0.002,current_A=0.03"
@@ -148,6 +151,17 @@ def test_the_error_after_adding_is_the_error_of_the_new_file(tmp_path: Path) -> 
     # with today's CSJ and BLK the error of the model without the effect is far above the noise
     assert first["after"] > 5.0 * told["after"]
     assert json.loads(after.read_text(encoding="utf-8"))["today"]["screw.blk_mm"] == pytest.approx(0.069, rel=0.01)
+
+
+def test_what_a_data_sheet_alone_tells_is_written_as_open_beside_the_finding() -> None:
+    sheet = reference_actuator()
+    found = replace(sheet.changed({}), findings=(RecordFinding("today.csv", "0", "add", (("screw.csj_Nm", 0.2),)),))
+    machine = by_sheet(found)
+    assert machine.findings == found.findings and known_by_sheet(machine) and not known_by_sheet(found)
+    assert (machine["verdict.csj_scatter_percent"], machine["screw.csj_Nm"]) == (10.0, sheet["screw.csj_Nm"])
+    # what the file states stays
+    stated = sheet.changed({"verdict.csj_scatter_percent": 1.0})
+    assert by_sheet(stated) is stated
 
 
 @pytest.mark.slow

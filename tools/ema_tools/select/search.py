@@ -133,10 +133,6 @@ def _in_special_cases(path: Path, strategy: Strategy) -> Path:
     return path
 
 
-def _is_tried(effect: str, strategy: Strategy) -> bool:
-    return strategy.only is None or effect in strategy.only
-
-
 def _newest(fit: Fit, held: Sequence[str]) -> str:
     return next((effect for effect in fit.effects if effect not in held), fit.effects[-1])
 
@@ -178,7 +174,9 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         found = strategy.kept(found)
         scores = {name: signature.score for name, signature in _strongest(found).items()}
         tell(share + 0.5 / (effects_max + 1.0), f"round {place + 1}: refit of the strongest")
-        confounded = [fit for fit in strategy.confounded(steps[-1] if steps else None) if _is_tried(fit.effects[-1], strategy)]
+        confounded = strategy.confounded(steps[-1] if steps else None)
+        if strategy.only is not None:
+            confounded = [fit for fit in confounded if fit.effects[-1] in strategy.only]
         apart = {fit.effects[-1] for fit in confounded}
         worth = not rounds or max(scores.values(), default=0.0) > _WORTH_REFITS * least
         finalists = _finalists([one for one in found if one.candidate.effect not in apart], strategy) if worth else []

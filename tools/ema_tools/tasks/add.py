@@ -252,8 +252,10 @@ def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -
             break
     else:
         fit, accepted = None, False
-    # what has changed with an effect may hide it until all are fitted together
-    tries = [_one_by_one(evidence, effects, faults), *([fit] if fit is not None else [])]
+    tries = [fit] if fit is not None else []
+    if faults or not tries:
+        # what has changed with an effect may hide it until all are fitted together
+        tries.append(_one_by_one(evidence, effects, faults))
     best = min(tries, key=lambda one: one.cost + LEAST_LIMIT * len(one.effects))
     return _in_order(best, effects), accepted and best is fit
 
@@ -292,8 +294,8 @@ def _one_by_one(evidence: Evidence, effects: Sequence[str], faults: Sequence[str
 
 def _learned(evidence: Evidence, here: View, effect: str, record: Record, healthy: Sequence[Record]) -> Fit:
     """The table that the balances suggest, its gain fitted in the loop."""
-    places = where(fitted_machine(evidence, None), record, healthy_of(record, healthy), evidence.whiten, evidence.channels)
-    tables = learned_tables(evidence, record, places)
+    machine = fitted_machine(evidence, None)
+    tables = learned_tables(machine, record, where(machine, record, healthy_of(record, healthy), evidence.whiten, evidence.channels))
     table = next((table for table in tables if table.effect == effect), None)
     if table is None:
         there = f"; {tables[0].effect} would fit" if tables else ""

@@ -100,10 +100,8 @@ def by_sheet(machine: Actuator) -> Actuator:
     """The machine with its healthy CSJ and BLK as uncertain as a data sheet leaves them, where no healthy record has told them and the file states nothing."""
     if machine.baseline is not None or any(machine[name] > 0.0 for name in SCATTERS.values()):
         return machine
-    return machine.changed(
-        _OF_SHEET,
-        remarks=dict.fromkeys(_OF_SHEET, "as units differ from their data sheet: no healthy record has told the healthy value [%]"),
-    )
+    remark = "as units differ from their data sheet: no healthy record has told the healthy value [%]"
+    return replace(machine.changed(_OF_SHEET, remarks=dict.fromkeys(_OF_SHEET, remark)), findings=machine.findings)
 
 
 def known_by_sheet(machine: Actuator) -> bool:

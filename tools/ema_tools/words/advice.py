@@ -217,7 +217,7 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
     pictures = "look at the pictures (--report), and "
     if wanted and not wanted.startswith(pictures) and not by_balance:
         return Advice("Record again", wanted, "unsure")
-    if not by_balance and found.provenance.get("healthy") == "none":
+    if isinstance(found, DiagnosisResult) and found.mode == "without healthy repeats":
         told = "beside runs of the same command on the healthy machine, best five, which take off what it always has"
         return Advice("Ask again", told, "unsure", _ema("diagnose", line.actuator, record, "--healthy", "healthy_*.csv"))
     return Advice("Look at the pictures", wanted.replace(pictures, "then "), "unsure")
