@@ -63,6 +63,28 @@ def test_a_healthy_machine_is_accused_of_nothing(command: str) -> None:
     assert not wrong(row), row
 
 
+@pytest.mark.slow
+@quick
+def test_an_effect_that_tells_every_part_better_than_a_constant_torque_comes_before_it() -> None:
+    unit = Machine("lead screw", 42, {"viscous_asymmetry": EFFECTS["viscous_asymmetry"]})
+    found = improve_by_forces(actuator_of(unit.kind, unit.number), plants.records_of_day(unit, "sweeps", 9))
+    first = found.steps[0]
+    assert first.effect == "viscous_asymmetry" and "constant_load" in first.alike
+    assert found.actuator["viscous_asymmetry.asymmetry"] == pytest.approx(EFFECTS["viscous_asymmetry"], abs=0.06)
+
+
+@pytest.mark.slow
+@quick
+def test_one_drag_is_told_where_two_changed_values_tell_what_was_held_out_worse() -> None:
+    kind, number, command = "lead screw", 43, "sweeps"
+    large = {"quadratic_viscous": 2.5 * EFFECTS["quadratic_viscous"]}
+    healthy = [one for day in (1, 2) for one in plants.records_of_day(Machine(kind, number, {}), command, day)]
+    today = plants.records_of_day(Machine(kind, number, large), command, 9)
+    found = diagnosed(actuator_of(kind, number), today, healthy)
+    assert isinstance(found, BalanceAnswer)
+    assert [step.effect for step in found.accepted] == ["quadratic_viscous"] and not found.changed
+
+
 def swept(top_rad_s: float, seed: int, rows: int = 4000) -> MotionRecord:
     """A shaft with Stribeck friction that swings, as long as `rows` of 5 ms."""
     time, random = np.arange(rows) * 5e-3, np.random.default_rng(seed)

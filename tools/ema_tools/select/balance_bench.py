@@ -69,6 +69,16 @@ class FoldErrors:
     holdout: float
     each: tuple[float, ...]
 
+    @property
+    def foretold(self) -> float:
+        """Of all parts, each as the others tell it; of those fitted where nothing was held out."""
+        told = [one**2 for one in self.each if math.isfinite(one)]
+        return math.sqrt(sum(told) / len(told)) if told else self.training
+
+    def foretells_each_better(self, other: FoldErrors) -> bool:
+        """Whether every part is told better by the others than those of another model tell it."""
+        return all(mine < its for mine, its in zip(self.each, other.each, strict=True) if math.isfinite(its))
+
 
 @dataclass(frozen=True)
 class Samples:

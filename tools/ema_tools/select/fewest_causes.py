@@ -86,7 +86,8 @@ def fewer_causes(
     if not other.effects:
         # an effect beside which values change that do not change without it takes their place, and is none
         return other if found.effects and found.changed and not found.changed & other.changed else found
-    before, after = found.forces.errors.training, forces.errors.training
+    # what is told of a part by the others, since values that are free take up what they have no part in
+    before, after = found.forces.errors.foretold, forces.errors.foretold
     simpler = other.free < found.free and after <= _AS_WELL * before
     # of two effects the better one, though less was free beside it
     better = not found.changed and other.free <= found.free and after < _BETTER * before

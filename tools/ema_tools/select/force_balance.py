@@ -321,6 +321,22 @@ class ForceSearch:
             and _like(self.columns[effect][0][rows, 0], load, _AS_LOAD)
         )
 
+    def instead_of_constant(self, first: Fitted, constant: Tried) -> tuple[list[Tried], Tried | None]:
+        """What every other effect does of what the `first` model leaves, where the constant torque stays as given: alone either may be what the records show. And the best of those that may be
+        added and foretell every part better than the constant torque does; None where there is none."""
+        named, self.bench.load_named = self.bench.load_named, False
+        tried = [self.tried(first, effect) for effect in self.effects if effect != load_effect()]
+        others = [one for one in tried if isinstance(one, Tried)]
+        better = [
+            judged
+            for one in sorted(others, key=lambda one: -one.gain)
+            if one.gain > constant.gain and not one.fit.patterns[-1].bends
+            for judged in (replace(one, fit=self.bench.judged(one.fit)),)
+            if judged.fit.errors.foretells_each_better(constant.fit.errors) and not self.judge.refusal(first, judged)
+        ]
+        self.bench.load_named = named
+        return others, better[0] if better else None
+
     def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> Tried:
         return Tried(effect, fit, self._gain(accepted, fit), (accepted.residual - fit.residual)[self.bench.training])
 
@@ -696,7 +712,14 @@ def _improved(
         first = accepted = bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0))))
     else:
         accepted = constant.fit
-        steps.append(_step(search, load_effect(), first, accepted, search.same_as_load()))
+        others, better = search.instead_of_constant(first, constant)
+        if better is None:
+            alike = (*search.same_as_load(), *_class_of(constant, others))
+            steps.append(_step(search, load_effect(), first, accepted, tuple(dict.fromkeys(alike))))
+        else:
+            bench.load_named = False
+            accepted = bench.judged(search.finished(search.with_patterns(better.fit.patterns, bench.start), False))
+            steps.append(_step(search, better.effect, first, accepted, _class_of(better, [constant, *others])))
     count = len(steps)
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * count, 0.85))
