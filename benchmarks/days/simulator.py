@@ -100,9 +100,10 @@ EFFECTS: Mapping[str, tuple[float, tuple[str, ...]]] = {
     "drag_Nm_s2": (6e-8, ("quadratic_viscous", "viscous_rise")),
     "pitch_waves": (0.03, ("pitch_ripple",)),
     "limit_A": (0.35, ("current_limit",)),
+    "sticks_at_place": (0.3, ("jam_spot",)),
 }
 # In no library.
-OUTSIDE: Mapping[str, float] = {"slow_return": 0.35, "eccentric_rad": 0.025, "current_reads": 0.04, "sticks_at_place": 0.3, "bus_hum": 0.02}
+OUTSIDE: Mapping[str, float] = {"slow_return": 0.35, "eccentric_rad": 0.025, "current_reads": 0.04, "bus_hum": 0.02}
 _ORDER = (*MACHINE, *EFFECTS, *OUTSIDE)
 
 
@@ -111,8 +112,8 @@ def _run(command_m: Reals, values: Reals, phase: float, found: Reals) -> None:
     """Fills rod (m), encoder (m), current (A) and voltage asked for (V) at every tick, [4, ticks]."""
     dry, play_mm, inertia, grease, flux, ohm, henry, bus, gain, stiff, uneven = values[:11]
     seal, stribeck, ripple, cogging = values[13:17]
-    rise, source, low, dead, hot, weak, waves, cogs, loads, side, heavier, off, late, soft, drag, pitch, limit = values[17:34]
-    slow, eccentric, _, sticks, hum = values[34:39]
+    rise, source, low, dead, hot, weak, waves, cogs, loads, side, heavier, off, late, soft, drag, pitch, limit, sticks = values[17:35]
+    slow, eccentric, _, hum = values[35:39]
     metres, h = 0.005 / (2.0 * math.pi * 4.0), TICK_S / _STEPS
     half = 0.5e-3 * play_mm
     inertia *= 1.0 + heavier
@@ -120,7 +121,7 @@ def _run(command_m: Reals, values: Reals, phase: float, found: Reals) -> None:
     ohm *= 1.0 + 0.0039 * hot
     stiff *= math.exp(-3.0 * soft)
     bus *= 1.0 - low
-    most_A = 1e9 if limit <= 0.0 else 24.0 / 0.99 * (1.0 - limit) * 0.35
+    most_A = 1e9 if limit <= 0.0 else 24.0 / 0.99 * 0.35 * math.exp(-1.25 * limit)
     angle, speed, bent, current = 0.0, 0.0, 0.0, 0.0
     rod, rod_speed, sum_up = 0.0, 0.0, 0.0
     asked = 0.0

@@ -83,7 +83,7 @@ def loop(actuator: str, record: str, healthy: tuple[str, ...], holdout: str | No
     result = LoopResult(
         verdict=verdict,
         sentence=_sentence(found),
-        reason="" if advice is None else ": ".join(filter(None, (advice.short, advice.more))),
+        reason="" if advice is None else advice.reason,
         commands=tuple(commands),
         machine=None if machine is None else str(kept),
         page=str(page),

@@ -322,15 +322,15 @@ class ForceSearch:
         )
 
     def instead_of_constant(self, first: Fitted, constant: Tried) -> tuple[list[Tried], Tried | None]:
-        """What every other effect does of what the `first` model leaves, where the constant torque stays as given: alone either may be what the records show. And the best of those that may be
-        added and foretell every part better than the constant torque does; None where there is none."""
+        """What every other effect that is linear does of what the `first` model leaves, where the constant torque stays as given: alone either may be what the records show. And the best of
+        those that may be added and foretell every part better than the constant torque does; None where there is none."""
         named, self.bench.load_named = self.bench.load_named, False
-        tried = [self.tried(first, effect) for effect in self.effects if effect != load_effect()]
+        tried = [self.tried(first, effect) for effect in self.effects if effect != load_effect() and not self.patterns_bend(effect)]
         others = [one for one in tried if isinstance(one, Tried)]
         better = [
             judged
             for one in sorted(others, key=lambda one: -one.gain)
-            if one.gain > constant.gain and not one.fit.patterns[-1].bends
+            if one.gain > constant.gain
             for judged in (replace(one, fit=self.bench.judged(one.fit)),)
             if judged.fit.errors.foretells_each_better(constant.fit.errors) and not self.judge.refusal(first, judged)
         ]

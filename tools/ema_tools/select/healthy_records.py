@@ -7,16 +7,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, same_samples
 from ema_tools.data.records import Record
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.baseline import check_none_odd, same_command
 
 _SIZES = 10.0  # signals of two runs of one command that differ more than this in size are of different units [physics]
+_MOTION = ("position_mm", "motor_position_mm")
 _ENOUGH = 3  # of two runs that lie apart nobody knows which is the odd one [chance]
 
 
-def check_alike(records: Sequence[Record]) -> None:
+def check_alike(actuator: Actuator, records: Sequence[Record]) -> None:
     """Raises InputError, naming the file, among runs of one command for one with a signal of another size than the others', or far from them all."""
     left = list(records)
     while left:
@@ -25,7 +27,7 @@ def check_alike(records: Sequence[Record]) -> None:
         left = [one for one, is_same in zip(left, same, strict=True) if not is_same]
         _check_sizes(runs)
         if len(runs) >= _ENOUGH:
-            check_none_odd(runs)
+            check_none_odd(actuator, runs)
 
 
 def _check_sizes(runs: Sequence[Record]) -> None:
@@ -66,9 +68,12 @@ def check_against_all(record: Record, others: Sequence[Record]) -> None:
         alike = len(sizes) > 1 and 0.0 < max(sizes) < _SIZES * min(sizes)
         if alike and size > 0.0 and not min(sizes) / _SIZES < size < max(sizes) * _SIZES:
             times = size / float(np.median(sizes))
-            raise InputError(
-                f"{record.file}: {name} is {times:.3g} times that of the {len(sizes)} healthy records: give all in the same unit"
-            )
+            what = f"{record.file}: {name} is {times:.3g} times that of the {len(sizes)} healthy records"
+            if name in _MOTION and times < 1.0:
+                raise InputError(
+                    f"{what} under the same command: the machine does not follow, or the unit is another one: look whether it is stuck or without power, else give all in the same unit"
+                )
+            raise InputError(f"{what}: give all in the same unit")
 
 
 def check_size(record: Record, other: Record, names: Sequence[str] = CHANNELS) -> None:

@@ -28,7 +28,7 @@ from ema_tools.select.outcome import Diagnosis
 from ema_tools.select.search import diagnose
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
-from ema_tools.tasks.learned_tables import learned_tables, table_fit
+from ema_tools.tasks.learned_tables import learned_tables, table_fit, today_worn
 
 _CORRELATED = 0.95  # two fitted values that move together beyond this cannot be told apart [judgement]
 # What moves before the effect is added to a machine that is known.
@@ -121,15 +121,15 @@ def add(
     evidence = gather(actuator, record, healthy_of(record, healthy), report=lambda share, text: tell(0.5 * share, text))
     here = settled(evidence, {})
     tell(0.6, f"fitting {effect}")
+    worn = today_worn(evidence) if row.is_learned else here
     fit, accepted = (
-        (_learned(evidence, here, effect, record, healthy), False) if row.is_learned else _fitted(evidence, (effect,), _faults(evidence))
+        (_learned(evidence, worn, effect, record, healthy), False) if row.is_learned else _fitted(evidence, (effect,), _faults(evidence))
     )
-    before = here.cost
-    diagnosis = Diagnosis("missing", fit, (), (), (fit,), before, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
+    diagnosis = Diagnosis("missing", fit, (), (), (fit,), here.cost, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
     correlations = tuple(_correlations(fit))
-    judgement = _judged(fit, effect, errors, before, correlations, accepted)
+    judgement = _judged(fit, effect, errors, worn.cost, correlations, accepted)
     own = fit.of_effect(effect)
     tell(1.0, "done")
     return Added(
@@ -292,15 +292,15 @@ def _one_by_one(evidence: Evidence, effects: Sequence[str], faults: Sequence[str
     return polished(fit, POLISHED)
 
 
-def _learned(evidence: Evidence, here: View, effect: str, record: Record, healthy: Sequence[Record]) -> Fit:
-    """The table that the balances suggest, its gain fitted in the loop."""
-    machine = fitted_machine(evidence, None)
-    tables = learned_tables(machine, record, where(machine, record, healthy_of(record, healthy), evidence.whiten, evidence.channels))
+def _learned(evidence: Evidence, worn: View, effect: str, record: Record, healthy: Sequence[Record]) -> Fit:
+    """The table that the balances suggest beside today's wear, its gain fitted in the loop."""
+    places = where(fitted_machine(evidence, None), record, healthy_of(record, healthy), evidence.whiten, evidence.channels)
+    tables = learned_tables(evidence, worn, record, places)
     table = next((table for table in tables if table.effect == effect), None)
     if table is None:
         there = f"; {tables[0].effect} would fit" if tables else ""
         raise InputError(f"{effect}: nothing in the record repeats in a way that it could hold{there}: ema diagnose draws what is left")
-    return table_fit(here, table)
+    return table_fit(worn, table)
 
 
 def _correlations(fit: Fit) -> list[tuple[str, str, float]]:

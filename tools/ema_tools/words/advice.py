@@ -32,6 +32,7 @@ Found = TypeVar("Found", bound=_Stored)
 
 # Names of records that are still to be made, and of files that nobody gave.
 _TO_BE_MADE = frozenset({"RECORD.csv", "NEXT.csv", "MORE.csv", "healthy_*.csv", "ACTUATOR.toml"})
+_MUCH_LEFT = 1.5  # times the floor: so much is left beside a fault that something else is there, too [judgement]
 # Beginning of a reason that says nothing of the model.
 UNUSABLE = "nothing can be told from this record"
 
@@ -69,6 +70,12 @@ class Advice:
     def runs(self) -> bool:
         """Whether there is a command whose files all exist already."""
         return bool(self.arguments) and not _TO_BE_MADE & set(self.arguments)
+
+    @property
+    def reason(self) -> str:
+        """What to do and why, without a stop at the end."""
+        repeats = self.more.casefold().startswith(self.short.casefold())
+        return (self.more if repeats else ": ".join(filter(None, (self.short, self.more)))).rstrip(".")
 
     @property
     def printed(self) -> str:
@@ -131,8 +138,7 @@ def after_comparison(found: ComparisonResult) -> Advice:
         return read_sizes(line.actuator, line, "--healthy")
     if found.explained:
         return Advice("Nothing: the model explains the record", "a record of another motion would try it further", "good")
-    more = () if line.options.get("--healthy") else ("--report", "diagnosis.html")
-    arguments = _ema("diagnose", line.actuator, _record(line), *line.again("--healthy"), more=more)
+    arguments = _ema("diagnose", line.actuator, _record(line), more=line.again("--healthy"))
     return Advice("Ask what is missing", "with healthy records of the machine behind --healthy, where there are any", "", arguments)
 
 
@@ -288,6 +294,9 @@ def _follow(found: IdentificationResult, line: CommandLine) -> Advice:
     if found.guard is None and found.table is None:
         again = _ema("identify", line.actuator, record, *healthy)
         return Advice("Hold it against all signals", "this is what the onboard module says alone", "", again)
+    after, floor = (found.error.after, found.error.floor) if found.error is not None else (None, None)
+    if found.verdict == "fault" and after is not None and floor is not None and after > _MUCH_LEFT * floor:
+        return Advice("Ask what else there is", "the fault stands beside it", "", _ema("diagnose", line.actuator, record, *healthy))
     short = "Repair, and follow it" if found.verdict == "fault" else "Nothing; follow it"
     kept = line.options.get("--json")
     if kept:

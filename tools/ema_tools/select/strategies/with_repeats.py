@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy import special
@@ -11,15 +12,17 @@ from scipy import special
 from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
-from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, raw_cost, settled
-from ema_tools.fit.refit import Fit, best_of_each, joint, polished, refit, shares_left
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, settled
+from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, refit, seen_from, shares_left, without_effect
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
-from ema_tools.select.candidates import Signature
+from ema_tools.select.candidates import Signature, signatures
+from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, begun_with, polished_near
 
-_REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
+_NOISE_WEIGHT = 10.0  # records as which it counts that an effect does not vary from run to run: its signature is then noise [judgement]
+_ALSO_SHOWN = 0.5  # of the strongest signature of an effect: others that explain as much of the record tell how it varies, too [judgement]
 _BY_CHANCE = (
     1e-4  # of what scatters, to either side, that is taken for a change: of a record's few such values one in a thousand records [chance]
 )
@@ -47,6 +50,7 @@ class WithRepeats(Strategy):
 
     def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         self._repeats = evidence.of_repeats
+        self._from_run_to_run: dict[str, float] = {}
         super().__init__(evidence, only)
         self._beyond = max(raw_cost(evidence) - self.floor, 0.0)
 
@@ -60,15 +64,24 @@ class WithRepeats(Strategy):
         return self._beyond
 
     def limit_at(self, found: Sequence[Signature], place: int, _cost: float) -> float:
-        """What the first look's signatures make of healthy repeats, with a margin."""
+        """The least of any effect; the first look tells besides by how much each effect varies on the repeats themselves."""
         if place == 0:
-            most = 0.0
-            for signature in found:
-                square = signature.shown.square
-                if square > 0.0:
-                    most = max([most, *(signature.shown.product(repeat) ** 2 / square for repeat in self._repeats)])
-            self.limit = max(self.limits.least, _REPEAT_MARGIN * most)
+            self._from_run_to_run = self._varying(found)
         return self.limit
+
+    def _varying(self, found: Sequence[Signature]) -> dict[str, float]:
+        """What each effect's signatures take off by chance, by Student's factor: their variance on the repeats, over that of noise, beside a usual one of noise alone."""
+        freedom = _NOISE_WEIGHT + len(self._repeats) - 1.0
+        factor = float(special.stdtrit(freedom, _BY_CHANCE) ** 2)
+        strongest: dict[str, float] = {}
+        varying: dict[str, float] = {}
+        for one in found:
+            effect, square = one.candidate.effect, one.shown.square
+            strongest.setdefault(effect, one.score)
+            if square > 0.0 and one.score >= _ALSO_SHOWN * strongest[effect]:
+                shown = float(np.mean([one.shown.product(repeat) ** 2 / square for repeat in self._repeats]))
+                varying[effect] = max(varying.get(effect, 0.0), (_NOISE_WEIGHT + (freedom - _NOISE_WEIGHT) * shown) / freedom)
+        return {effect: factor * variance for effect, variance in varying.items()}
 
     def confounded(self, held: Fit | None) -> list[Fit]:
         """Where what scatters would go beyond what is credible: in place of a value that does, the effect that does the same."""
@@ -81,9 +94,10 @@ class WithRepeats(Strategy):
     def least_by_chance(self, effect: str) -> float:
         """How far a value goes that scatters by a width of which these repeats, and the usual, tell: by Student's factor, and not at all where its width is stated."""
         own = FAULTS[effect] if effect in FAULTS else getattr(record_of(effect).confounded, "parameter", "")
-        if not any(own in one.names for one in self.evidence.spread) or own in self.evidence.actuator.scatter:
-            return 0.0
-        return float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2)
+        varying = self._from_run_to_run.get(effect, 0.0)
+        if not any(own in one.names for one in (*self.evidence.spread, *self.evidence.varies)) or own in self.evidence.actuator.scatter:
+            return varying
+        return max(float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2), varying)
 
     def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
@@ -115,8 +129,28 @@ class WithRepeats(Strategy):
                 return path
             worn = polished(refit(self.start, values), _POLISH_ROUNDS)
             other = grow(begun_with(worn, path), len(worn.effects) + _BESIDE_WEAR_MAX)
-            return other if other.steps[-1].judged < path.steps[-1].judged else path
+            return self._turned(other if other.steps[-1].judged < path.steps[-1].judged else path, grow)
         return self._simpler(path)
+
+    def _turned(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
+        """The path, or where it is no answer the better one in which a swing has another number of periods or another phase: beside a machine that rests often, the one that looks strongest need
+        not be the one that explains most."""
+        best = path.steps[-1]
+        swings = [effect for effect in best.effects if effect not in FAULTS and record_of(effect).periodic is not None]
+        if not swings or not self.is_no_answer(best.cost):
+            return path
+        fits = []
+        for effect in swings:
+            rest = without_effect(best.values, effect)
+            seen = seen_from(refit(self.start, rest)) if rest else self.start
+            held = [one for one in best.effects if one != effect]
+            by_shape: dict[float, Signature] = {}
+            for one in signatures(Screen(seen), held, (effect,)):
+                by_shape.setdefault(one.start().get(f"effects.{effect}.periods", 1.0), one)
+            starts = [joined(rest, one.start()) for one in by_shape.values()]
+            fits += each(partial(_polished_from, seen), starts)
+        found = min(fits, key=lambda fit: fit.cost)
+        return grow(begun_with(found, path), len(found.effects) + _BESIDE_WEAR_MAX) if found.cost < best.cost else path
 
     def _simpler(self, path: Path) -> Path:
         """The path to a fault beside fewer effects of the last fit, where that leaves hardly more than the whole set; the given one where none does."""
@@ -142,6 +176,10 @@ class WithRepeats(Strategy):
     def vague(self, best: Fit) -> list[str]:
         """Beside a large misfit a size that could be none says that something else is there."""
         return [effect for effect in best.effects if not best.determined(effect)]
+
+
+def _polished_from(view: View, start: Mapping[str, float]) -> Fit:
+    return polished(refit(view, start), _POLISH_ROUNDS)
 
 
 def _with_scatter(path: Path) -> Path:

@@ -25,7 +25,8 @@ def error_sentence(record: str, error: ModelError) -> str:
     """The weighted error of a model on a record, with the CSJ and BLK that it is reached with."""
     values = [f"{FOUND[name].partition('_')[0].upper()} {value:.4g} {FOUND[name].partition('_')[2]}" for name, value in error.today.items()]
     verb = "explains" if error.explains else "does not explain"
-    given = f" ({' and '.join(values)} today)" if values else ""
+    when = "today" if error.explains else "at best, which is no reading while the model lacks something"
+    given = f" ({' and '.join(values)} {when})" if values else ""
     return f"The model {verb} {record}: weighted error {error.fitted:.4g}, noise level {error.noise_level:.4g}{given}."
 
 

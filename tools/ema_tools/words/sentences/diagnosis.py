@@ -19,6 +19,7 @@ from ema_tools.words.sentences.sizes import significant, size_text
 AT_FLOOR = 1.05  # times the floor: an error no larger leaves chance alone, of which no share is told [judgement]
 MUCH = 2.0  # times the floor: so much is no other form of what was found [judgement]
 NOT_ACCEPTED = " (not accepted)"  # behind a model of the ladder that is not recommended
+_HARDLY_MORE = 1.1  # times the noise: less is told with more digits, which round to one [layout]
 LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
 
 
@@ -43,7 +44,8 @@ def _said(found: Answer) -> str:
         if found.doubt:
             return f"{first}nothing can be concluded, since the healthy records differ by themselves: {found.doubt}."
         if found.sensor is not None:
-            return f"{first}{sensor_sentence(found.sensor)} ({before})."
+            apart = _unit_words(found)
+            return f"{first}{sensor_sentence(found.sensor)}{f'; beside it {apart}' if apart else ''} ({before})."
         if found.contradicted_by_healthy:
             would = all_coded(found.refuted, " and ")
             return (
@@ -86,7 +88,8 @@ def separation(names: Sequence[str]) -> str:
 
 def unexplained_by(effects: Sequence[str], error: float, noise: float) -> str:
     """That no effect explains a record, with the best candidate and the residual that it leaves."""
-    times = f"{significant(error / noise, 2)} times the noise"
+    ratio = error / noise
+    times = f"{significant(ratio, 2 if ratio >= _HARDLY_MORE else 4)} times the noise"
     if not effects:
         return f"No effect of the library explains it: none lowers the error, which is {times}"
     return f"No effect of the library explains it: the best candidate, {' and '.join(map(within, effects))}, leaves {times}"

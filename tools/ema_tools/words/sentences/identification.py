@@ -193,7 +193,7 @@ def _left(found: Identified) -> str:
     checked = found.checked
     if checked is None or found.verdict != "fault" or checked.skipped != LITTLE_LEFT:
         return ""
-    return " Something small is there beside it that does not change the verdict: ema diagnose with the same records says what."
+    return " Beside it the model lacks something that is too little to be its cause: ema diagnose with the same records says what."
 
 
 def _magnets(found: Identified) -> str:

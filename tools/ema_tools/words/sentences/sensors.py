@@ -5,7 +5,7 @@ from __future__ import annotations
 from ema_tools.compare.comparison import TITLES, UNITS
 from ema_tools.compare.readings import ReadingError
 from ema_tools.library.display_names import listed
-from ema_tools.select.sensors import CLOCK, Suspect
+from ema_tools.select.sensors import CLOCK, VOLTAGE, Suspect
 from ema_tools.words.sentences.sizes import significant
 
 # What may be behind a signal that alone reads otherwise.
@@ -16,6 +16,8 @@ _BEHIND = {
     "voltage_V": "how the voltage is recorded",
 }
 
+# What a voltage may be that contradicts the other signals.
+_ASKED = "; or voltage_V is measured at the motor, where what the controller asks for is meant"
 
 # How often a wave comes, by its periods per motor turn.
 _TIMES = {1: "once", 2: "twice"}
@@ -66,7 +68,7 @@ def sensor_sentence(found: Suspect) -> str:
         parts.append(f"{1e3 * abs(found.late_s):.2g} ms {'late' if found.late_s > 0.0 else 'early'}")
     return (
         f"what is there looks like the sensor of the {TITLES[found.channel]} ({found.channel}), not like the machine: it reads {' and '.join(parts)} "
-        f"({100.0 * found.share:.0f} % of the excess), while the other signals are as they should be"
+        f"({100.0 * found.share:.0f} % of the excess), which no value of the machine explains{_ASKED if found.channel == VOLTAGE else ''}"
     )
 
 

@@ -196,6 +196,13 @@ def _unseen(console: Console, own: OwnMachineEntry) -> None:
         )
 
 
+def _model_words(found: IdentificationResult) -> str:
+    """How well the model follows: the rod by the module's own test, and all signals by the weighted error."""
+    if not found.adequate:
+        return "not adequate"
+    return "adequate" if found.error is None or found.error.explained else "adequate for the rod, not for all signals"
+
+
 def identification(console: Console, found: IdentificationResult) -> None:
     """What `ema identify` found: the verdict, why it is undecided, and the numbers behind."""
     verdict, because, _ = found.sentence.partition(BECAUSE)
@@ -221,7 +228,7 @@ def identification(console: Console, found: IdentificationResult) -> None:
         say(console, sentence)
     say(
         console,
-        f"verdict {found.verdict}; model {'adequate' if found.adequate else 'not adequate'}: residual {number(found.residual_rms_mm, 3)} mm rms"
+        f"verdict {found.verdict}; model {_model_words(found)}: residual {number(found.residual_rms_mm, 3)} mm rms"
         + ("" if found.error is None else f", weighted error {number(found.error.after)}, noise level {number(found.error.floor)}"),
     )
     say(
