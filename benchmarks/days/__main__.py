@@ -67,15 +67,16 @@ def _line(row: Any) -> str:
 @click.option("--kind", "kinds", type=click.Choice(KINDS), multiple=True, help="These kinds alone; all unless given.")
 @click.option("--baseline", type=click.IntRange(0), default=5, show_default=True, help="Baseline records, 0 or at least 2.")
 @click.option("--days", type=click.FloatRange(0.0), default=1.0, show_default=True, help="How far days vary, times the usual.")
+@click.option("--first", type=click.IntRange(1), default=1, show_default=True, help="Number of the first machine.")
 @click.option("--workers", type=click.IntRange(0), default=2, show_default=True, help="Processes; 0 for this one.")
 @folder_option("days")
 @click.option("--document", type=click.Path(path_type=Path, dir_okay=False), help="Write the tables there as Markdown, overwritten.")
-def main(kinds: tuple[str, ...], baseline: int, days: float, workers: int, folder: Path, document: Path | None) -> None:
+def main(kinds: tuple[str, ...], baseline: int, days: float, first: int, workers: int, folder: Path, document: Path | None) -> None:
     """Diagnoses machines on days of their own, with nothing, one or two effects, a fault or something strange hidden."""
     begun = time.monotonic()
-    wanted = trials(kinds or KINDS, baseline, days)
+    wanted = trials(kinds or KINDS, baseline, days, first)
     rows = running.run(wanted, folder, workers, perform, remember=False)
-    text = written(rows, f"python -m benchmarks.days --baseline {baseline} --days {days:g} -o DIR --document docs/DAYS.md")
+    text = written(rows, f"python -m benchmarks.days --baseline {baseline} --days {days:g} --first {first} -o DIR --document docs/DAYS.md")
     running.told(text, "## Goals", f"{len(rows)} trials", begun, document)
 
 

@@ -57,8 +57,8 @@ class Trial:
         return found
 
 
-def trials(kinds: Sequence[str], baseline: int, days: float) -> list[Trial]:
-    """All trials of these kinds, no two on one machine."""
+def trials(kinds: Sequence[str], baseline: int, days: float, first: int = 1) -> list[Trial]:
+    """All trials of these kinds, no two on one machine, their numbers from `first` on."""
     pairs = np.random.default_rng(7_919).permutation(list(itertools.combinations(EFFECTS, 2))).tolist()[:_PAIRS]
     hidden: dict[str, list[tuple[tuple[str, ...], str]]] = {
         "healthy": [((), "")] * HEALTHY,
@@ -67,7 +67,7 @@ def trials(kinds: Sequence[str], baseline: int, days: float) -> list[Trial]:
         "fault": [((one,), size) for one in FAULTS for size in SIZES],
         "outside": [((one,), size) for one in OUTSIDE for size in SIZES],
     }
-    numbers: Iterator[int] = itertools.count(1)
+    numbers: Iterator[int] = itertools.count(first)
     found = [Trial(kind, next(numbers), some, size, baseline, days) for kind in KINDS for some, size in hidden[kind]]
     return [one for one in found if one.kind in kinds]
 

@@ -34,7 +34,7 @@ def test_a_comparison_says_whether_what_is_left_is_noise_and_where_it_is() -> No
     # 0.05 over the root of 0.003 and 0.004 squared; of the mechanics' places, not of the most telling one
     assert shorts(found) == ("No", "Mechanics", "At current 3.45 to 5.17 A", "Rod position 5.00 %", "Ask what is missing")
     assert found.replies[0].more == "mechanics 10 times its noise level"
-    assert found.replies[-1].command == "ema diagnose 'my unit.toml' runs/today.csv --report diagnosis.html"
+    assert found.replies[-1].command == "ema diagnose 'my unit.toml' runs/today.csv"
 
 
 def test_a_comparison_that_noise_explains_says_so() -> None:

@@ -70,7 +70,12 @@ def test_a_day_changes_what_it_says_and_no_more() -> None:
         # values that explain the lesser part of a play with a mass behind it are no change
         (DayTrial("linear motor", 0, "sweeps", "elastic_backlash", "large"), "unknown", [], []),
         # drag by the square of the speed, or by the speed: this motion hardly says
-        (DayTrial("ball screw", 0, "pick and place", "quadratic_viscous", "large"), "adequate", [VISCOUS], ["quadratic_viscous"]),
+        (
+            DayTrial("ball screw", 0, "pick and place", "quadratic_viscous", "medium"),
+            "adequate",
+            [VISCOUS],
+            ["concave_viscous", "quadratic_viscous"],
+        ),
         # a bump that is over before the machine slides well shows where it breaks away
         (DayTrial("belt", 0, "start and stop", "stribeck_friction", "medium"), "adequate", [SHARE], ["stribeck_friction"]),
     ],

@@ -89,9 +89,7 @@ def simulate_side_by_side(
 
 def slope_step(one: Spread) -> float:
     """How far to take a spread for its slope, in its standard deviations."""
-    if one.step:
-        return one.step
-    return _DERIVATIVE_STEP / (one.std * max(map(abs, one.shares), default=1.0)) if one.relative else _DERIVATIVE_STEP_STD
+    return _DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
 
 
 def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
@@ -116,8 +114,7 @@ class Evidence:
     cost that sensor noise alone has. `counting`: with repeats, the cost that counts of the sensors may add on another way than theirs;
     `freedom`: with repeats, the degrees of freedom to which these and the usual tell how far `spread` scatters.
     `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
-    of 1 each, such as the zero of a sensor; `slight`: changes of the model `unit` that the last of them are, by effects that every machine has a little of; `varies`: with repeats, what the
-    first of them stand for; `of_known`: the same evidence where only friction, grease and winding vary, for who takes the machine for known.
+    of 1 each, such as the zero of a sensor; `slight`: changes of the model `unit` that the last of them are, by effects that every machine has a little of.
     """
 
     actuator: Actuator
@@ -135,8 +132,6 @@ class Evidence:
     freedom: float = math.inf
     slight: tuple[Mapping[str, float], ...] = ()
     unit: Actuator | None = None
-    varies: tuple[Spread, ...] = ()
-    of_known: Evidence | None = None
 
     @property
     def granted(self) -> tuple[str, ...]:
@@ -164,11 +159,6 @@ class Evidence:
         known = view(self, {})
         return [known.residual_of(target) for target in self.repeats]
 
-    @cached_property
-    def whitened_additive(self) -> list[Reals]:
-        """`additive`, whitened, [n] each."""
-        return [self.whiten(signals) for signals in self.additive]
-
     def without(self, channel: str) -> Evidence:
         """The same of the other signals."""
         kept = [place for place, name in enumerate(self.channels) if name != channel]
@@ -180,7 +170,6 @@ class Evidence:
             noise=self.noise[kept],
             additive=self.additive[:, kept],
             repeats=tuple(repeat[kept] for repeat in self.repeats),
-            of_known=self.of_known.without(channel) if self.of_known is not None else None,
         )
 
     @property
@@ -470,7 +459,7 @@ def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> Vie
         return Step(values, near, step)
 
     moved = taken(evidence.whitened([toward(k) for k in range(own.size)], place.base, np.asarray))
-    columns = [*moved, *evidence.whitened_additive]
+    columns = [*moved, *map(evidence.whiten, evidence.additive)]
     rows = place.plain.size - place.at.size
     directions = np.zeros((place.at.size, rows + place.at.size))
     for k, column in enumerate(columns):

@@ -99,8 +99,7 @@ def _least_std(evidence: Evidence, name: str) -> float:
     confounded = record_of(effect_of(name)).confounded if is_size(name) else None
     if confounded is None or not evidence.relative:
         return 0.0
-    vary = (*evidence.spread, *evidence.varies)
-    return max((abs(confounded.size_per_change) * one.std for one in vary if one.title == confounded.parameter), default=0.0)
+    return max((abs(confounded.size_per_change) * one.std for one in evidence.spread if one.title == confounded.parameter), default=0.0)
 
 
 def _scale_of(name: str, first: float) -> float:

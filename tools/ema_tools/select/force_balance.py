@@ -322,15 +322,17 @@ class ForceSearch:
         )
 
     def instead_of_constant(self, first: Fitted, constant: Tried) -> tuple[list[Tried], Tried | None]:
-        """What every other effect that is linear does of what the `first` model leaves, where the constant torque stays as given: alone either may be what the records show. And the best of
-        those that may be added and foretell every part better than the constant torque does; None where there is none."""
+        """What every other effect of one value does of what the `first` model leaves, where the constant torque stays as given: alone either may be what the records show. And the best of those
+        that may be added and foretell every part better than the constant torque does; None where there is none."""
         named, self.bench.load_named = self.bench.load_named, False
-        tried = [self.tried(first, effect) for effect in self.effects if effect != load_effect() and not self.patterns_bend(effect)]
+        simple = [one for one in self.effects if len(load_definitions().effect(one).parameters) == 1 and not self.patterns_bend(one)]
+        tried = [self.tried(first, effect) for effect in simple if effect != load_effect()]
         others = [one for one in tried if isinstance(one, Tried)]
         better = [
             judged
             for one in sorted(others, key=lambda one: -one.gain)
-            if one.gain > constant.gain
+            # what the machine carries is sought once a constant torque is known
+            if one.gain > constant.gain and one.effect not in self.same_as_load() and not is_carried(one.fit.patterns[-1])
             for judged in (replace(one, fit=self.bench.judged(one.fit)),)
             if judged.fit.errors.foretells_each_better(constant.fit.errors) and not self.judge.refusal(first, judged)
         ]
@@ -713,12 +715,14 @@ def _improved(
     else:
         accepted = constant.fit
         others, better = search.instead_of_constant(first, constant)
-        if better is None:
+        bench.load_named = better is None
+        beside_load = None if better is None else search.finished(search.with_patterns(better.fit.patterns, bench.start), False)
+        if better is None or beside_load is None or outside(beside_load):
+            bench.load_named = True
             alike = (*search.same_as_load(), *_class_of(constant, others))
             steps.append(_step(search, load_effect(), first, accepted, tuple(dict.fromkeys(alike))))
         else:
-            bench.load_named = False
-            accepted = bench.judged(search.finished(search.with_patterns(better.fit.patterns, bench.start), False))
+            accepted = bench.judged(beside_load)
             steps.append(_step(search, better.effect, first, accepted, _class_of(better, [constant, *others])))
     count = len(steps)
     while True:

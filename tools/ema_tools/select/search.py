@@ -234,9 +234,8 @@ def diagnose(evidence: Evidence, report: Report | None = None, only: Collection[
     strange = cost - floor > max(strategy.noise, 2.0 * doubt)
     far = _is_far(cost, strategy) and alone is None
     verdict = "unknown" if strange and far else "missing" if best is not None else "adequate"
-    # what a rival leaves more is its own form's error only where the answer's form errs, too
-    named = _named(path.rounds, best, steps, verdict, min(doubt, max(cost - floor, 0.0)), before, strategy.limit)
-    found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, strategy.limit, _MODEL_ERROR**2 * strategy.excess)
+    named = _named(path.rounds, best, steps, verdict, doubt, before, strategy.limit)
+    found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, strategy.limit)
     vague = strategy.vague(best) if best is not None and verdict == "missing" else []
     return found.refuted(vague) if vague else found
 

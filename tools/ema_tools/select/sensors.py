@@ -35,8 +35,8 @@ class Suspect:
         return (self.factor, self.offset, self.late_s) != (1.0, 0.0, 0.0)
 
 
-def suspect(evidence: Evidence, least: float = LEAST_SHARE) -> Suspect | None:
-    """The sensor whose error explains most of what the model leaves, and this share of it at `least`; None where none does, or where there are no other signals to hold it against."""
+def suspect(evidence: Evidence) -> Suspect | None:
+    """The sensor whose error explains what the model leaves; None where none does, or where there are no other signals to hold it against."""
     if len(evidence.channels) < 2:
         return None
     here = settled(evidence, {})
@@ -55,7 +55,7 @@ def suspect(evidence: Evidence, least: float = LEAST_SHARE) -> Suspect | None:
         tall = np.column_stack(columns)
         sizes, *_ = np.linalg.lstsq(tall, here.residual, rcond=None)
         share = float(here.residual @ (tall @ sizes)) / excess
-        if share < least or (best is not None and share <= best.share):
+        if share < LEAST_SHARE or (best is not None and share <= best.share):
             continue
         told = [float(np.sum((column * size) ** 2)) > _TOLD_SHARE * excess for column, size in zip(columns, sizes, strict=True)]
         offset, gain, late_s = (float(size) if tell else 0.0 for size, tell in zip(sizes, told, strict=True))

@@ -21,8 +21,7 @@ from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, begun_with, polished_near
 
-_NOISE_WEIGHT = 10.0  # records as which it counts that an effect does not vary from run to run: its signature is then noise [judgement]
-_ALSO_SHOWN = 0.5  # of the strongest signature of an effect: others that explain as much of the record tell how it varies, too [judgement]
+_REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
 _BY_CHANCE = (
     1e-4  # of what scatters, to either side, that is taken for a change: of a record's few such values one in a thousand records [chance]
 )
@@ -50,7 +49,6 @@ class WithRepeats(Strategy):
 
     def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         self._repeats = evidence.of_repeats
-        self._from_run_to_run: dict[str, float] = {}
         super().__init__(evidence, only)
         self._beyond = max(raw_cost(evidence) - self.floor, 0.0)
 
@@ -64,24 +62,15 @@ class WithRepeats(Strategy):
         return self._beyond
 
     def limit_at(self, found: Sequence[Signature], place: int, _cost: float) -> float:
-        """The least of any effect; the first look tells besides by how much each effect varies on the repeats themselves."""
+        """What the first look's signatures make of healthy repeats, with a margin."""
         if place == 0:
-            self._from_run_to_run = self._varying(found)
+            most = 0.0
+            for signature in found:
+                square = signature.shown.square
+                if square > 0.0:
+                    most = max([most, *(signature.shown.product(repeat) ** 2 / square for repeat in self._repeats)])
+            self.limit = max(self.limits.least, _REPEAT_MARGIN * most)
         return self.limit
-
-    def _varying(self, found: Sequence[Signature]) -> dict[str, float]:
-        """What each effect's signatures take off by chance, by Student's factor: their variance on the repeats, over that of noise, beside a usual one of noise alone."""
-        freedom = _NOISE_WEIGHT + len(self._repeats) - 1.0
-        factor = float(special.stdtrit(freedom, _BY_CHANCE) ** 2)
-        strongest: dict[str, float] = {}
-        varying: dict[str, float] = {}
-        for one in found:
-            effect, square = one.candidate.effect, one.shown.square
-            strongest.setdefault(effect, one.score)
-            if square > 0.0 and one.score >= _ALSO_SHOWN * strongest[effect]:
-                shown = float(np.mean([one.shown.product(repeat) ** 2 / square for repeat in self._repeats]))
-                varying[effect] = max(varying.get(effect, 0.0), (_NOISE_WEIGHT + (freedom - _NOISE_WEIGHT) * shown) / freedom)
-        return {effect: factor * variance for effect, variance in varying.items()}
 
     def confounded(self, held: Fit | None) -> list[Fit]:
         """Where what scatters would go beyond what is credible: in place of a value that does, the effect that does the same."""
@@ -94,10 +83,9 @@ class WithRepeats(Strategy):
     def least_by_chance(self, effect: str) -> float:
         """How far a value goes that scatters by a width of which these repeats, and the usual, tell: by Student's factor, and not at all where its width is stated."""
         own = FAULTS[effect] if effect in FAULTS else getattr(record_of(effect).confounded, "parameter", "")
-        varying = self._from_run_to_run.get(effect, 0.0)
-        if not any(own in one.names for one in (*self.evidence.spread, *self.evidence.varies)) or own in self.evidence.actuator.scatter:
-            return varying
-        return max(float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2), varying)
+        if not any(own in one.names for one in self.evidence.spread) or own in self.evidence.actuator.scatter:
+            return 0.0
+        return float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2)
 
     def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
@@ -129,10 +117,10 @@ class WithRepeats(Strategy):
                 return path
             worn = polished(refit(self.start, values), _POLISH_ROUNDS)
             other = grow(begun_with(worn, path), len(worn.effects) + _BESIDE_WEAR_MAX)
-            return self._turned(other if other.steps[-1].judged < path.steps[-1].judged else path, grow)
+            return self._other_swings(other if other.steps[-1].judged < path.steps[-1].judged else path, grow)
         return self._simpler(path)
 
-    def _turned(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
+    def _other_swings(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
         """The path, or where it is no answer the better one in which a swing has another number of periods or another phase: beside a machine that rests often, the one that looks strongest need
         not be the one that explains most."""
         best = path.steps[-1]
@@ -144,12 +132,12 @@ class WithRepeats(Strategy):
             rest = without_effect(best.values, effect)
             seen = seen_from(refit(self.start, rest)) if rest else self.start
             held = [one for one in best.effects if one != effect]
-            by_shape: dict[float, Signature] = {}
+            by_number: dict[float, Signature] = {}
             for one in signatures(Screen(seen), held, (effect,)):
-                by_shape.setdefault(one.start().get(f"effects.{effect}.periods", 1.0), one)
-            starts = [joined(rest, one.start()) for one in by_shape.values()]
+                by_number.setdefault(one.start().get(f"effects.{effect}.periods", 1.0), one)
+            starts = [joined(rest, one.start()) for one in by_number.values()]
             fits += each(partial(_polished_from, seen), starts)
-        found = min(fits, key=lambda fit: fit.cost)
+        found = min(fits, key=lambda fit: fit.cost, default=best)
         return grow(begun_with(found, path), len(found.effects) + _BESIDE_WEAR_MAX) if found.cost < best.cost else path
 
     def _simpler(self, path: Path) -> Path:

@@ -165,11 +165,11 @@ const EmaFit = (() => {
       put(unit);
       const base = this.simulate(values);
       for (const [name, share] of Object.entries(gains)) this.additive.push(this.whitener.whiten({ ...none, [name]: base[name].map((value) => share * value) }));
-      for (const { changes, size } of slight) {
+      for (const changes of slight) {
         const before = changes.map(([id]) => [id, values[id]]);
         put(changes);
         const trial = this.simulate(values);
-        this.additive.push(this.whitener.whiten(Object.fromEntries(names.map((name) => [name, minus(trial[name], base[name]).map((value) => value / size)]))));
+        this.additive.push(this.whitener.whiten(Object.fromEntries(names.map((name) => [name, minus(trial[name], base[name])]))));
         put(before);
       }
     }
