@@ -12,6 +12,7 @@ from benchmarks.hidden.machines import machine, measured
 from benchmarks.hidden.sealed import STEP_S
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.base.errors import InputError, taken
+from ema_tools.compare.localisation import where
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record
@@ -22,10 +23,12 @@ from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.results.codec import to_json
 from ema_tools.select.baseline import gather
 from ema_tools.select.candidates import candidates
+from ema_tools.select.healthy_records import check_against_all
 from ema_tools.select.holdout import Rung, refuted
 from ema_tools.select.matched_filter import Screen
 from ema_tools.tasks.add import add
 from ema_tools.tasks.diagnose import Answer, answer
+from ema_tools.tasks.learned_tables import helpful_tables, today_worn
 from ema_tools.tasks.simulate import simulate_record
 from ema_tools.words.advice import with_next
 from ema_tools.words.answers.diagnosis import diagnosis
@@ -175,6 +178,34 @@ def test_two_healthy_records_that_differ_conclude_nothing(changes: dict[str, flo
     assert found.verdict == "unknown" and not found.effects and not found.faults
     assert "the healthy records differ by themselves" in sentence(found)
     assert any(one.topic == "repeats" and one.severity == "weakens" for one in found.gate.remarks)
+
+
+@pytest.mark.slow
+@needs_numba
+def test_a_swing_beside_wear_is_found_whatever_its_phase(healthy: list[Record]) -> None:
+    """Friction that has grown holds the motor longer, and another number of periods looks stronger until all three are fitted."""
+    hidden = {"cogging_torque.amplitude_Nm": 0.03, "cogging_torque.periods": 14.0, "cogging_torque.phase_rad": 1.0}
+    found = answer(reference_actuator(), run_of({**hidden, "screw.csj_Nm": 0.2, "screw.blk_mm": 0.055}, 830), healthy)
+    assert [one.name for one in found.effects] == ["cogging_torque"] and {one.name for one in found.faults} == {"csj", "blk"}
+    assert found.effects[0].values["effects.cogging_torque.periods"] == 14.0
+
+
+@pytest.mark.slow
+@needs_numba
+def test_friction_that_has_grown_is_no_learned_table(healthy: list[Record]) -> None:
+    record = run_of({"screw.csj_Nm": 0.2}, 831)
+    evidence = gather(reference_actuator(), record, healthy)
+    seen = today_worn(evidence)
+    assert seen.values["screw.csj_Nm"] == pytest.approx(0.2, rel=0.02)
+    places = where(evidence.actuator, record, healthy, evidence.whiten, evidence.channels)
+    assert list(helpful_tables(evidence, seen, record, places)) == []
+
+
+def test_a_machine_that_does_not_follow_is_no_mistaken_unit() -> None:
+    healthy = [day(f"healthy_{700 + k}") for k in range(2)]
+    stuck = dataclasses.replace(healthy[0], position_mm=0.002 * healthy[0].position_mm, file="stuck.csv")
+    with pytest.raises(InputError, match=r"stuck\.csv: position_mm is 0\.002 times .* under the same command: the machine does not follow"):
+        check_against_all(stuck, healthy)
 
 
 @pytest.mark.slow
