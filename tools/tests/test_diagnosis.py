@@ -195,10 +195,10 @@ def test_a_swing_beside_wear_is_found_whatever_its_phase(healthy: list[Record]) 
 def test_friction_that_has_grown_is_no_learned_table(healthy: list[Record]) -> None:
     record = run_of({"screw.csj_Nm": 0.2}, 831)
     evidence = gather(reference_actuator(), record, healthy)
-    seen = today_worn(evidence)
+    seen = today_worn(settled(evidence, {}))
     assert seen.values["screw.csj_Nm"] == pytest.approx(0.2, rel=0.02)
     places = where(evidence.actuator, record, healthy, evidence.whiten, evidence.channels)
-    assert list(helpful_tables(evidence, seen, record, places)) == []
+    assert list(helpful_tables(seen, record, places)) == []
 
 
 def test_a_machine_that_does_not_follow_is_no_mistaken_unit() -> None:

@@ -83,3 +83,9 @@ def test_a_day_changes_what_it_says_and_no_more() -> None:
 def test_what_is_not_told_is_said(trial: DayTrial, verdict: str, changed: list[str], as_well: list[str]) -> None:
     row = perform(trial)
     assert (row["verdict"], list(row["changed"]), row["as_well"], row["accepted"]) == (verdict, changed, as_well, [])
+
+
+@pytest.mark.slow
+def test_one_effect_is_named_where_it_foretells_what_was_held_out_better_than_changed_values() -> None:
+    row = perform(DayTrial("ball screw", 0, "pick and place", "quadratic_viscous", "large"))
+    assert (row["verdict"], list(row["changed"]), row["accepted"]) == ("missing", [], ["quadratic_viscous"])

@@ -16,7 +16,7 @@ from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import ROUGHNESS, Evidence, View, settled
 from ema_tools.fit.misfit import misfit, whole_std
 from ema_tools.library.definitions import is_size
-from ema_tools.library.faults import effect_of
+from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
 
@@ -28,6 +28,7 @@ _PHASE_SCALE = 0.5  # rad: what a phase is stepped in [judgement]
 _DETERMINED = 2.0  # standard errors by which a size differs from the machine's own [chance]
 _AT_BOUND = 1e-6  # of its range: so near to an end a value lies on it [precision]
 POLISHED = 3  # of fits with the nuisance parameters linear at the last one [effort]
+_WORN_START = 1.3  # where both faults are fitted together: where they begin, in healthy values [judgement]
 _JOINT_ROUNDS = 8  # of steps together with what scatters [effort]
 # Shares of a value over which a slope is taken to both sides: the first, or the second where that one does not show [precision]
 _JOINT_STEPS = (0.1, 0.3)
@@ -179,6 +180,13 @@ def polished(fit: Fit, rounds: int) -> Fit:
         if done:
             break
     return fit
+
+
+def worn(view: View) -> Fit | None:
+    """CSJ and BLK fitted together, since wear moves both; None where the machine has neither."""
+    actuator = view.evidence.actuator
+    values = {name: _WORN_START * actuator[name] for name in FAULTS.values() if actuator[name] > 0.0}
+    return polished(refit(view, values), 1) if values else None
 
 
 def fitted_from(evidence: Evidence, start: Mapping[str, float]) -> Fit:

@@ -321,23 +321,30 @@ class ForceSearch:
             and _like(self.columns[effect][0][rows, 0], load, _AS_LOAD)
         )
 
-    def instead_of_constant(self, first: Fitted, constant: Tried) -> tuple[list[Tried], Tried | None]:
-        """What every other effect of one value does of what the `first` model leaves, where the constant torque stays as given: alone either may be what the records show. And the best of those
-        that may be added and foretell every part better than the constant torque does; None where there is none."""
-        named, self.bench.load_named = self.bench.load_named, False
+    def beside_constant(self, first: Fitted) -> list[Tried]:
+        """What every other effect of one value does of what the `first` model leaves, where the constant torque stays as given, the best first: alone either may be what the records show."""
         simple = [one for one in self.effects if len(load_definitions().effect(one).parameters) == 1 and not self.patterns_bend(one)]
+        self.bench.load_named = False
         tried = [self.tried(first, effect) for effect in simple if effect != load_effect()]
-        others = [one for one in tried if isinstance(one, Tried)]
-        better = [
-            judged
-            for one in sorted(others, key=lambda one: -one.gain)
+        self.bench.load_named = True
+        return sorted((one for one in tried if isinstance(one, Tried)), key=lambda one: -one.gain)
+
+    def instead_of_constant(self, first: Fitted, constant: Tried, others: Sequence[Tried]) -> tuple[Tried, Fitted] | None:
+        """The best of these that may be added and foretells every part better than the constant torque does, and the fit with it in its place; None where there is none."""
+        same = self.same_as_load()
+        self.bench.load_named = False
+        for one in others:
             # what the machine carries is sought once a constant torque is known
-            if one.gain > constant.gain and one.effect not in self.same_as_load() and not is_carried(one.fit.patterns[-1])
-            for judged in (replace(one, fit=self.bench.judged(one.fit)),)
-            if judged.fit.errors.foretells_each_better(constant.fit.errors) and not self.judge.refusal(first, judged)
-        ]
-        self.bench.load_named = named
-        return others, better[0] if better else None
+            if one.gain <= constant.gain or one.effect in same or is_carried(one.fit.patterns[-1]):
+                continue
+            judged = replace(one, fit=self.bench.judged(one.fit))
+            if judged.fit.errors.foretells_each_better(constant.fit.errors) and not self.judge.refusal(first, judged):
+                fit = self.finished(self.with_patterns(one.fit.patterns, self.bench.start), False)
+                if outside(fit):
+                    break
+                return judged, self.bench.judged(fit)
+        self.bench.load_named = True
+        return None
 
     def _tried(self, accepted: Fitted, effect: str, fit: Fitted) -> Tried:
         return Tried(effect, fit, self._gain(accepted, fit), (accepted.residual - fit.residual)[self.bench.training])
@@ -714,16 +721,14 @@ def _improved(
         first = accepted = bench.judged(bench.fit(bench.start, (), np.zeros((bench.fold.size, 0))))
     else:
         accepted = constant.fit
-        others, better = search.instead_of_constant(first, constant)
-        bench.load_named = better is None
-        beside_load = None if better is None else search.finished(search.with_patterns(better.fit.patterns, bench.start), False)
-        if better is None or beside_load is None or outside(beside_load):
-            bench.load_named = True
+        others = search.beside_constant(first)
+        better = search.instead_of_constant(first, constant, others)
+        if better is None:
             alike = (*search.same_as_load(), *_class_of(constant, others))
             steps.append(_step(search, load_effect(), first, accepted, tuple(dict.fromkeys(alike))))
         else:
-            accepted = bench.judged(beside_load)
-            steps.append(_step(search, better.effect, first, accepted, _class_of(better, [constant, *others])))
+            best, accepted = better
+            steps.append(_step(search, best.effect, first, accepted, _class_of(best, [constant, *others])))
     count = len(steps)
     while True:
         added, refused = search.round(accepted, min(0.1 + _ROUND_SHARE * count, 0.85))

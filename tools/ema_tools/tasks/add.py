@@ -121,7 +121,7 @@ def add(
     evidence = gather(actuator, record, healthy_of(record, healthy), report=lambda share, text: tell(0.5 * share, text))
     here = settled(evidence, {})
     tell(0.6, f"fitting {effect}")
-    worn = today_worn(evidence) if row.is_learned else here
+    worn = today_worn(here) if row.is_learned else here
     fit, accepted = (
         (_learned(evidence, worn, effect, record, healthy), False) if row.is_learned else _fitted(evidence, (effect,), _faults(evidence))
     )
@@ -295,7 +295,7 @@ def _one_by_one(evidence: Evidence, effects: Sequence[str], faults: Sequence[str
 def _learned(evidence: Evidence, worn: View, effect: str, record: Record, healthy: Sequence[Record]) -> Fit:
     """The table that the balances suggest beside today's wear, its gain fitted in the loop."""
     places = where(fitted_machine(evidence, None), record, healthy_of(record, healthy), evidence.whiten, evidence.channels)
-    tables = learned_tables(evidence, worn, record, places)
+    tables = learned_tables(worn, record, places)
     table = next((table for table in tables if table.effect == effect), None)
     if table is None:
         there = f"; {tables[0].effect} would fit" if tables else ""

@@ -310,9 +310,9 @@ def answer(
     if found.verdict == "unknown" and not (wrong and shows_nothing(steps, errors)):
         tell(0.95, "what is unknown")
         # attempts that are not accepted would be seen in what they leave: a voltage that is not missing, say
-        worn = today_worn(evidence)
+        worn = today_worn(settled(evidence, {}))
         left = unknowns.left_over(known.changed(worn.values), record, places)
         # a sensor's error is not flown
-        table = next(helpful_tables(evidence, worn, record, places), None) if sensor is None else None
+        table = next(helpful_tables(worn, record, places), None) if sensor is None else None
     tell(1.0, "done")
     return Answer(record, gate, places, evidence, found, errors, steps, known, improved, left, table, wrong, sensor, doubt)

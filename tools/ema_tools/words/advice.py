@@ -288,14 +288,19 @@ def _put_in(told: Sequence[str], found: IdentificationResult, record: str) -> Ad
     return Advice(short, "then identify again with the new file", "", arguments)
 
 
+def _leaves_much(found: IdentificationResult) -> bool:
+    """Whether so much of the record is left that something else is there beside what was found."""
+    error = found.error
+    return error is not None and error.after is not None and error.floor is not None and error.after > _MUCH_LEFT * error.floor
+
+
 def _follow(found: IdentificationResult, line: CommandLine) -> Advice:
     """What follows a verdict: its doubts first, then the unit over its dates."""
     record, healthy = _record(line), line.again("--healthy")
     if found.guard is None and found.table is None:
         again = _ema("identify", line.actuator, record, *healthy)
         return Advice("Hold it against all signals", "this is what the onboard module says alone", "", again)
-    after, floor = (found.error.after, found.error.floor) if found.error is not None else (None, None)
-    if found.verdict == "fault" and after is not None and floor is not None and after > _MUCH_LEFT * floor:
+    if found.verdict == "fault" and _leaves_much(found):
         return Advice("Ask what else there is", "the fault stands beside it", "", _ema("diagnose", line.actuator, record, *healthy))
     short = "Repair, and follow it" if found.verdict == "fault" else "Nothing; follow it"
     kept = line.options.get("--json")

@@ -13,7 +13,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, settled
-from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, refit, seen_from, shares_left, without_effect
+from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, refit, seen_from, shares_left, without_effect, worn
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, signatures
@@ -27,8 +27,7 @@ _BY_CHANCE = (
 )
 _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
 _FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
-_WORN_START = 1.3  # where both faults are fitted first: where they begin, in healthy values .. [judgement]
-_BESIDE_WEAR_MAX = 2  # ... and how many effects may follow [effort]
+_BESIDE_WEAR_MAX = 2  # effects that may follow where both faults are fitted first [effort]
 _LAST_ROUNDS = 3  # of the one fit that is the answer [effort]
 _HIDDEN = 0.25  # of what a change of a value makes: where what scatters leaves less, the two lie in one narrow valley [measured]
 _JOINT_ROUNDS = 2  # of the answer together with what scatters [effort]
@@ -111,12 +110,10 @@ class WithRepeats(Strategy):
         if not path.steps:
             return path
         if self.is_no_answer(path.steps[-1].cost):
-            actuator = self.evidence.actuator
-            values = {name: _WORN_START * actuator[name] for name in FAULTS.values() if actuator[name] > 0.0}
-            if not values:
+            first = worn(self.start)
+            if first is None:
                 return path
-            worn = polished(refit(self.start, values), _POLISH_ROUNDS)
-            other = grow(begun_with(worn, path), len(worn.effects) + _BESIDE_WEAR_MAX)
+            other = grow(begun_with(first, path), len(first.effects) + _BESIDE_WEAR_MAX)
             return self._other_swings(other if other.steps[-1].judged < path.steps[-1].judged else path, grow)
         return self._simpler(path)
 
@@ -153,7 +150,7 @@ class WithRepeats(Strategy):
             for share in _BESIDE_STARTS
             for effect in best.effects
         ]
-        fits = best_of_each(each(lambda start: polished(refit(self.start, start), _POLISH_ROUNDS), starts))
+        fits = best_of_each(each(partial(_polished_from, self.start), starts))
         # an effect that the larger set has more must have taken off what every effect must
         allowed = best.cost + self.limits.least * (len(best.effects) - 2)
         shown = [fit for fit in fits if fit.cost < max(allowed, best.cost + 1.0) and all(map(fit.determined, fit.effects))]
