@@ -316,6 +316,14 @@ def test_what_plainly_remains_and_nothing_explains_is_unknown() -> None:
     assert explained.verdict == "missing" and explained.unexplained < 0.05
 
 
+@pytest.mark.parametrize("stated_mm", [0.0, 0.1])
+def test_a_stated_play_that_the_motor_alone_does_not_show_is_said_beside_adequate(stated_mm: float) -> None:
+    given = machine().changed({"screw.blk_mm": stated_mm})
+    found = diagnosis(diagnosed(given, runs()), {})
+    assert found.verdict == "adequate"
+    assert ("A play (BLK) is not seen in these records" in found.sentence) == (stated_mm > 0.0)
+
+
 def test_the_forward_solution_is_that_of_the_true_model() -> None:
     true = machine().changed(TRUE)
     records = runs()

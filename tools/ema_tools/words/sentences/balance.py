@@ -85,7 +85,9 @@ def sentence(found: BalanceAnswer) -> str:
 def _play(found: BalanceAnswer) -> str:
     """The play that the records show and nobody stated, which moves no force and so is no effect of the balance."""
     one = next((one for one in found.base if one.name == PLAY), None)
-    if one is None or not one.by_import:
+    if one is None:
+        return f" {_PLAY_UNSEEN}" if found.known[PLAY] > 0.0 else ""
+    if not one.by_import:
         return ""
     low, high = interval95(one.value, one.std)
     if low is None or high is None or low <= one.stated:
