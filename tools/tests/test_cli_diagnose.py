@@ -244,7 +244,7 @@ def test_an_effect_of_the_file_that_the_healthy_runs_do_not_have_counts_for_toda
     # what the record was made with; friction scatters by 0.4 % from run to run
     assert found["csj_Nm"]["shift_percent"] == pytest.approx(40.0, abs=2.0)
     assert found["blk_mm"]["shift_percent"] == pytest.approx(100.0, abs=2.0)
-    assert "The healthy records do not have Stribeck friction (stribeck_friction)" in " ".join(ran.out.split())
+    assert "New since the healthy records: Stribeck friction (stribeck_friction)" in " ".join(ran.out.split())
 
 
 def test_nothing_is_overwritten(runs: dict[str, Path], tmp_path: Path) -> None:

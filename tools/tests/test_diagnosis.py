@@ -17,6 +17,7 @@ from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.commands import make_command
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Sensitivity, View, settled, view
+from ema_tools.fit.refit import refit
 from ema_tools.fit.whitening import Whitener, counted, lines_of
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS, effect_of
@@ -199,6 +200,16 @@ def test_friction_that_has_grown_is_no_learned_table(healthy: list[Record]) -> N
     assert seen.values["screw.csj_Nm"] == pytest.approx(0.2, rel=0.02)
     places = where(evidence.actuator, record, healthy, evidence.whiten, evidence.channels)
     assert list(helpful_tables(seen, record, places)) == []
+
+
+def test_a_spot_lies_where_the_record_moves(healthy: list[Record]) -> None:
+    """Friction that slopes over the stroke looks like the flank of a spot far outside of it, which no record shows."""
+    record = run_of({}, 832)
+    start = {"effects.jam_spot.amplitude_Nm": 0.05, "effects.jam_spot.place_mm": 6.0, "effects.jam_spot.width_mm": 8.0}
+    found = refit(settled(gather(reference_actuator(), record, healthy), {}), start).values
+    low, high = float(record.command_mm.min()), float(record.command_mm.max())
+    assert low <= found["effects.jam_spot.place_mm"] <= high
+    assert found["effects.jam_spot.width_mm"] <= high - low
 
 
 def test_a_machine_that_does_not_follow_is_no_mistaken_unit() -> None:

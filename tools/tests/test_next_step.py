@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,10 +15,13 @@ from ema_tools.data.actuator import reference_actuator
 from ema_tools.design.typical import typical_change
 from ema_tools.library.faults import FAULTS
 from ema_tools.results.codec import to_json
-from ema_tools.results.identification import IdentificationResult
+from ema_tools.results.diagnosis import DiagnosisResult
+from ema_tools.results.identification import BaselineEntry, Guard, IdentificationResult
+from ema_tools.results.parts import ErrorsEntry, WeightedErrors
 from ema_tools.results.reading import result_of
+from ema_tools.results.validity import Remark, Validity
 from ema_tools.select.outcome import Diagnosis, Named
-from ema_tools.words.advice import with_next
+from ema_tools.words.advice import advice_of, with_next
 from ema_tools.words.sentences.sizes import ends_text
 from ema_tools.words.terminal import show
 from ema_tools.words.terminal.next_step import say_next
@@ -61,6 +65,51 @@ def test_an_identification_that_was_not_kept_ends_with_keeping_it(tmp_path: Path
         "</span>", ""
     )
     assert said["verdict"] == "fault"
+
+
+def adequate(after: float) -> DiagnosisResult:
+    """A diagnosis that names nothing and leaves so much, at a noise level of 0.8."""
+    command = {"command": "ema diagnose mine.toml today.csv --healthy a.csv b.csv"}
+    return DiagnosisResult(verdict="adequate", error=WeightedErrors(40.0, after, 0.8), gate=Validity(), provenance=command)
+
+
+def healthy(*without: str) -> IdentificationResult:
+    """A healthy verdict of a model with effects that its healthy records are `without`."""
+    return IdentificationResult(
+        verdict="healthy",
+        objective_before_mm2s=1.0,
+        objective_after_mm2s=0.1,
+        evaluations=50,
+        adequate=True,
+        guard=Guard("adequate", skipped=None, wall_s=1.0),
+        baseline=BaselineEntry({}, {}, 5, {}, without),
+        error=ErrorsEntry(None, 0.8, 0.8),
+        provenance={"command": "ema identify mine.toml today.csv"},
+    )
+
+
+def test_a_model_that_leaves_much_is_not_read_again() -> None:
+    assert advice_of(adequate(0.81)).arguments[:2] == ("ema", "identify")
+    told = with_next(adequate(2.3))
+    assert told.next == () and told.next_experiment.startswith("Next: look at the pictures: something that is in no effect of the library")
+
+
+def test_a_voltage_that_was_left_out_is_decided_on_before_anything_is_added() -> None:
+    remark = Remark("asked voltage", "weakens", "the recorded voltage contradicts what the other signals agree on")
+    told = with_next(replace(adequate(0.8), verdict="missing", gate=Validity(remarks=(remark,))))
+    assert told.next == () and "take the column voltage_V out" in told.next_experiment
+
+
+def test_what_is_new_since_the_healthy_records_is_looked_for() -> None:
+    assert advice_of(healthy()).short == "Nothing; follow it"
+    assert advice_of(healthy("jam_spot")).short == "Find the cause of jam spot, and follow it"
+
+
+def test_an_advised_file_is_none_that_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert advice_of(healthy()).arguments[-1] == "today.json"
+    (tmp_path / "today.json").touch()
+    assert advice_of(healthy()).arguments[-1] == "today_2.json"
 
 
 def test_a_missing_effect_is_added_to_a_file_that_can_be_written() -> None:

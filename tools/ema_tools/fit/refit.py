@@ -11,6 +11,7 @@ import numpy as np
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import Row, row_of
+from ema_tools.data.records import Record
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import ROUGHNESS, Evidence, View, settled
@@ -109,12 +110,25 @@ def _scale_of(name: str, first: float) -> float:
     return max(abs(first), 1e-9)
 
 
-def _unknown(name: str, first: float) -> FreeValue:
+def _ends(name: str, record: Record) -> tuple[float, float]:
+    """Where a value may lie: in its range, and a spot of the stroke on what the record moves over, which shows nothing of any other, and no wider than that."""
+    row, effect = row_of(name), effect_of(name)
+    local = record_of(effect).local if effect not in FAULTS else None
+    if local is None or not local.spot or is_size(name):
+        return row.lower, row.upper
+    low, high = float(np.min(record.command_mm)), float(np.max(record.command_mm))
+    if name.endswith(f".{local.spot}"):
+        return row.lower, min(max(high - low, 2.0 * row.lower), row.upper)
+    return max(low, row.lower), min(high, row.upper)
+
+
+def _unknown(name: str, first: float, record: Record) -> FreeValue:
     """A value of the fit: a size that ends at none is on no bound, and a phase has none."""
-    row = row_of(name)
+    row, (lower, upper) = row_of(name), _ends(name, record)
     turns = name.endswith("phase_rad")
     walls = (not turns and row.lower != row.nominal, not turns)
-    return FreeValue(name, first, _scale_of(name, first), row.lower, row.upper, _AT_BOUND * (row.upper - row.lower), walls)
+    first = min(max(first, lower), upper)
+    return FreeValue(name, first, _scale_of(name, first), lower, upper, _AT_BOUND * (upper - lower), walls)
 
 
 def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | None = None) -> Fit:
@@ -124,7 +138,7 @@ def refit(view: View, start: Mapping[str, float], shape: Mapping[str, float] | N
     """
     kept = {name: value for name, value in start.items() if name.endswith(".periods")} | dict(shape or {})
     names = [name for name in start if name not in kept]
-    unknowns = [_unknown(name, start[name]) for name in names]
+    unknowns = [_unknown(name, start[name], view.evidence.record) for name in names]
 
     def vectors(asked: Sequence[Mapping[str, float]]) -> list[Reals]:
         return _shown(view, [{**changes, **kept} for changes in asked])
@@ -241,8 +255,8 @@ def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row], 
     seen = fit.view
     for share in _JOINT_SHARES:
         values = dict(fit.values)
-        for place, (name, row) in enumerate(rows.items()):
-            values[name] = float(np.clip(values[name] + share * step[place], row.lower, row.upper))
+        for place, name in enumerate(rows):
+            values[name] = float(np.clip(values[name] + share * step[place], *_ends(name, seen.evidence.record)))
         try:
             there = seen.at(values, seen.deviations + share * step[len(rows) :], scatter)
             # where an effect and the scatter do the same, the way between them is narrow and bends
@@ -250,7 +264,7 @@ def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row], 
         except InputError:
             continue
         if there.plain_cost < seen.plain_cost:
-            at_bound = tuple(name for name in rows if _unknown(name, values[name]).on_bound(values[name]))
+            at_bound = tuple(name for name in rows if _unknown(name, values[name], seen.evidence.record).on_bound(values[name]))
             return replace(fit, values=values, at_bound=at_bound, view=there, cost=there.cost)
     return None
 

@@ -13,6 +13,7 @@ Provenance = dict[str, str]
 
 
 EXPLAINED = 1.1  # times the noise level: a model that leaves no more on a record lacks nothing that this record shows [judgement]
+MUCH_LEFT = 2.0  # times the noise level: so much is no other form of what was found [judgement]
 _NOISELESS = 0.1  # of a record without noise: a weighted error below a tenth of what its signals are trusted to [precision]
 
 
@@ -53,6 +54,11 @@ class ErrorsEntry:
     def explained(self) -> bool | None:
         """Whether the last model leaves no more than noise; None where the errors are not known."""
         return None if self.after is None or self.floor is None else self.after <= max(EXPLAINED * self.floor, _NOISELESS)
+
+    @property
+    def leaves_much(self) -> bool:
+        """Whether the last model leaves so much that something else is there beside what was found."""
+        return self.after is not None and self.floor is not None and self.after > max(MUCH_LEFT * self.floor, _NOISELESS)
 
 
 @dataclass(frozen=True)

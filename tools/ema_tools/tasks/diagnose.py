@@ -219,7 +219,7 @@ def _based(evidence: Evidence) -> tuple[KnownMachine, MachineFit]:
 
 
 _AS_ASKED = RecordRemark(
-    "voltage",
+    "asked voltage",
     "weakens",
     "the recorded voltage contradicts what the other signals agree on, and is left out: it may be what the controller asks of a supply that gives less",
     "record what is applied to the motor as voltage_V",

@@ -15,6 +15,7 @@ from ema_tools.fit.refit import fitted_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.results.parts import ErrorsEntry
 from ema_tools.select.baseline import gather
+from ema_tools.select.healthy_records import check_once
 from ema_tools.select.holdout import weighted
 from ema_tools.select.known_machine import KnownMachine, live
 from ema_tools.select.sensors import Suspect, odd_signal, suspect
@@ -57,6 +58,7 @@ def model_error(actuator: Actuator, record: Record, baseline: Sequence[Record] =
 def error_where_known(actuator: Actuator, record: Record, baseline: Sequence[Record], asked: bool) -> ModelError | None:
     """`model_error`, or None for a record that cannot tell it; raises InputError where its baseline records were `asked` for."""
     try:
+        check_once(baseline)
         return model_error(actuator, record, baseline)
     except InputError:
         if asked:

@@ -23,7 +23,7 @@ from ema_tools.results.diagnosis import DiagnosisByBalanceResult, DiagnosisResul
 from ema_tools.results.friction_map import MapResult
 from ema_tools.results.identification import IdentificationResult
 from ema_tools.results.parts import together
-from ema_tools.words.command_line import CommandLine, line_of, new_model
+from ema_tools.words.command_line import CommandLine, line_of, new_file, new_model
 from ema_tools.words.sentences.paths import with_paths
 
 Advised = Addition | CalibrationResult | ComparisonResult | DiagnosisResult | DiagnosisByBalanceResult | IdentificationResult | MapResult
@@ -32,7 +32,6 @@ Found = TypeVar("Found", bound=_Stored)
 
 # Names of records that are still to be made, and of files that nobody gave.
 _TO_BE_MADE = frozenset({"RECORD.csv", "NEXT.csv", "MORE.csv", "healthy_*.csv", "ACTUATOR.toml"})
-_MUCH_LEFT = 1.5  # times the floor: so much is left beside a fault that something else is there, too [judgement]
 # Beginning of a reason that says nothing of the model.
 UNUSABLE = "nothing can be told from this record"
 
@@ -80,6 +79,8 @@ class Advice:
     @property
     def printed(self) -> str:
         """The line on the terminal."""
+        if not self.arguments:
+            return f"Next: {self.reason[:1].lower()}{self.reason[1:]}."
         return f"Next: {self.short[:1].lower()}{self.short[1:]}: {self.command}"
 
 
@@ -89,7 +90,9 @@ def with_next(found: Found) -> Found:
     if isinstance(found, DiagnosisResult | DiagnosisByBalanceResult):
         line = _line(found)
         told = with_paths(found.sentence, line.actuator, line.records, line.options.get("--healthy", ()))
-        found = replace(found, sentence=told, next_experiment=advice.printed if advice.arguments else found.next_experiment)
+        found = replace(
+            found, sentence=told, next_experiment=advice.printed if advice.arguments else found.next_experiment or advice.printed
+        )
     return replace(found, next=(advice.arguments,) if advice.runs else ())
 
 
@@ -189,9 +192,16 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
         wanted = next((remark.next for remark in found.gate.remarks if remark.severity == "blocks" and remark.next), "")
         return Advice("Record again", wanted, "unsure")
     if found.verdict == "adequate":
+        if not by_balance and found.error.leaves_much:
+            told = "something that is in no effect of the library stands beside it, and sizes may be off for that (--report draws what is left)"
+            return Advice("Look at the pictures", told, "unsure")
         if not by_balance:
             return read_sizes(line.actuator, line, "--healthy")
         return Advice("Nothing is to be added", found.next_experiment.removeprefix("Next: "), "good")
+    left_out = next((remark for remark in found.gate.remarks if remark.topic == "asked voltage"), None)
+    if left_out is not None and found.verdict == "missing":
+        told = "take the column voltage_V out of these records and diagnose again, or record what is applied to the motor: the recorded voltage contradicts all other signals"
+        return Advice("Decide on the voltage", told, "unsure")
     between = together(found.effects, found.rivals)
     if found.verdict == "missing" and not by_balance and separable(between):
         told = f"{listed([within(name) for name in between])} explain this record equally well"
@@ -288,26 +298,22 @@ def _put_in(told: Sequence[str], found: IdentificationResult, record: str) -> Ad
     return Advice(short, "then identify again with the new file", "", arguments)
 
 
-def _leaves_much(found: IdentificationResult) -> bool:
-    """Whether so much of the record is left that something else is there beside what was found."""
-    error = found.error
-    return error is not None and error.after is not None and error.floor is not None and error.after > _MUCH_LEFT * error.floor
-
-
 def _follow(found: IdentificationResult, line: CommandLine) -> Advice:
     """What follows a verdict: its doubts first, then the unit over its dates."""
     record, healthy = _record(line), line.again("--healthy")
     if found.guard is None and found.table is None:
         again = _ema("identify", line.actuator, record, *healthy)
         return Advice("Hold it against all signals", "this is what the onboard module says alone", "", again)
-    if found.verdict == "fault" and _leaves_much(found):
+    if found.verdict == "fault" and found.error is not None and found.error.leaves_much:
         return Advice("Ask what else there is", "the fault stands beside it", "", _ema("diagnose", line.actuator, record, *healthy))
-    short = "Repair, and follow it" if found.verdict == "fault" else "Nothing; follow it"
+    new = found.baseline.without if found.baseline is not None else ()
+    find = f"Find the cause of {listed([within(name) for name in new])}, and follow it" if new else "Nothing; follow it"
+    short = "Repair, and follow it" if found.verdict == "fault" else find
     kept = line.options.get("--json")
     if kept:
         told = "over its dates: put the unit's earlier results before this one"
-        return Advice(short, told, "", _ema("report", kept[-1], "-o", "unit.html"))
+        return Advice(short, told, "", _ema("report", kept[-1], "-o", new_file(Path("unit.html"))))
     # not kept so far: the same again, with a file named after the record
-    file = Path(record).with_suffix(".json").name
+    file = new_file(Path(Path(record).with_suffix(".json").name))
     keep = _ema("identify", line.actuator, record, *line.again("--healthy", "--table", "--weight"), "--json", file)
     return Advice(short, "over its dates: keep the result, then ema report draws it beside earlier ones", "", keep)

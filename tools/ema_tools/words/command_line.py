@@ -73,6 +73,10 @@ def line_of(command: str) -> CommandLine | None:
 
 def new_model(record: str, effects: Sequence[str]) -> str:
     """Path of a new actuator file next to the record, named after the effects that it adds, that no file has yet."""
-    place = Path(record).with_name(f"with_{'_and_'.join(effects)}.toml")
+    return new_file(Path(record).with_name(f"with_{'_and_'.join(effects)}.toml"))
+
+
+def new_file(place: Path) -> str:
+    """The path, or one with a number behind it, that no file has yet: nothing is overwritten."""
     names = (place, *(place.with_stem(f"{place.stem}_{number}") for number in range(2, _NAMES)))
     return str(next((name for name in names if not name.exists()), place))

@@ -58,8 +58,16 @@ def headline(result: ShownIdentification) -> str:
         ]
         return f"The machine has a fault: {'; '.join([names.listed(shifts(result, faulty)), *others])}."
     if result.verdict == "healthy":
+        new = _new(result)
+        if new:
+            return f"Friction and backlash are healthy, but {names.listed(new)} {'is' if len(new) == 1 else 'are'} new since the healthy records: {names.listed(shifts(result))}."
         return f"The machine is healthy: {names.listed(shifts(result))}."
     return f"No verdict: {_why(result)}."
+
+
+def _new(result: ShownIdentification) -> list[str]:
+    """Effects of the model that the healthy records do not have."""
+    return [names.within(effect) for effect in result.found.baseline.without] if result.found.baseline is not None else []
 
 
 def faults_of(result: ShownIdentification) -> tuple[str, ...]:
@@ -113,6 +121,9 @@ def _where(result: ShownIdentification) -> Reply:
         told = ", ".join(f"{SHORT[name]} a fault from +{limit:g} % on" for name, limit in limits.items())
         hidden = [f"{SHORT[name]} {words.shift(one.most_percent, 0)}" for name, one in result.faults.items() if one.hides_much]
         told += f"; today's may be {names.listed(hidden)}" if hidden else ""
+        new = _new(result)
+        if new:
+            return Reply(question, f"No wear, but {names.listed(new)}", f"new since the healthy records; {told}", "bad")
         return Reply(question, "Nowhere", told, "good")
     if result.verdict == "fault":
         faulty = faults_of(result)
@@ -147,7 +158,9 @@ def _missing(result: ShownIdentification) -> Reply:
     if guard is None:
         return Reply(question, "Not looked for", "the onboard module's own answer alone", "" if result.adequate else "unsure")
     if guard.verdict == "adequate":
-        return Reply(question, "Nothing", guard.skipped or f"by {len(guard.signals)} signals together", "good")
+        return Reply(
+            question, "Nothing more" if _new(result) else "Nothing", guard.skipped or f"by {len(guard.signals)} signals together", "good"
+        )
     return Reply(question, "Nothing is named", guard.skipped or "", "unsure")
 
 

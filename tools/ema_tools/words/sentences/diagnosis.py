@@ -8,6 +8,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.display_names import all_coded, coded, value_words, within
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import separable, separating
+from ema_tools.results.parts import MUCH_LEFT
 from ema_tools.select.outcome import Named
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
@@ -17,7 +18,6 @@ from ema_tools.words.sentences.sensors import sensor_next, sensor_sentence
 from ema_tools.words.sentences.sizes import significant, size_text
 
 AT_FLOOR = 1.05  # times the floor: an error no larger leaves chance alone, of which no share is told [judgement]
-MUCH = 2.0  # times the floor: so much is no other form of what was found [judgement]
 NOT_ACCEPTED = " (not accepted)"  # behind a model of the ladder that is not recommended
 _HARDLY_MORE = 1.1  # times the noise: less is told with more digits, which round to one [layout]
 LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
@@ -37,7 +37,8 @@ def _said(found: Answer) -> str:
     faults = "; ".join(_fault_words(one, found.known) for one in found.faults)
     if found.verdict == "adequate":
         versus = "this machine's repeatability" if found.evidence.relative else "what sensors and a data sheet leave open"
-        text = f"nothing exceeds {versus}: no effect is missing" if not faults else f"no effect is missing; {faults}"
+        none = "no effect of the library explains more" if _leaves_much(found) else "no effect is missing"
+        text = f"nothing exceeds {versus}: {none}" if not faults else f"{none}; {faults}"
         apart = _unit_words(found)
         return f"{first}{f'no effect is missing, but {apart}' if apart else text} ({fall}{_left(found)})."
     if found.verdict == "unknown":
@@ -116,13 +117,13 @@ def _left(found: Answer) -> str:
         f"; {significant(errors.after / errors.floor, 2)} times the floor is left, so that more is missing" if _leaves_much(found) else ""
     )
     held, floor = errors.holdout_after, errors.holdout_floor or errors.floor
-    if held is None or held <= MUCH * floor:
+    if held is None or held <= MUCH_LEFT * floor:
         return share + much
     return f"{share}{much}; of the record held out {significant(held / floor, 2)} times its floor is left: more is missing, or this stands in for it"
 
 
 def _leaves_much(found: Answer) -> bool:
-    return found.errors.after > MUCH * found.errors.floor
+    return found.errors.after > MUCH_LEFT * found.errors.floor
 
 
 def _unit_words(found: Answer) -> str:
@@ -146,7 +147,7 @@ def record_next(found: Answer) -> str:
         return f"Next: give --holdout a run of the machine as it is in {found.record.file}, best of another command; if it is one, one of the two is of another machine or another day."
     if found.learned is not None:
         return ""
-    return "Next: look at the pictures (--report), and write the effect yourself where you know its physics (docs/ADD_AN_EFFECT.md)."
+    return "Next: look at the pictures (--report), and write the effect yourself where you know its physics (docs/YOUR_OWN_EFFECT.md)."
 
 
 def hidden(found: Answer) -> str:

@@ -57,9 +57,9 @@ def missing_words(checked: CrossCheck) -> str:
     )
 
 
-def without_sentence(effects: Iterable[str]) -> str:
-    """Which effects of the model the healthy records do not have, and what follows."""
-    return f"The healthy records do not have {all_coded(effects)}: it is counted for today's record alone."
+def _new(found: Identified) -> str:
+    """Effects of the model that the healthy records do not have: a machine without wear may have changed all the same."""
+    return f" New since the healthy records: {all_coded(found.since)}, counted for today's record alone." if found.since else ""
 
 
 def _effect(checked: CrossCheck, size: str) -> str:
@@ -193,7 +193,7 @@ def _left(found: Identified) -> str:
     checked = found.checked
     if checked is None or found.verdict != "fault" or checked.skipped != LITTLE_LEFT:
         return ""
-    return " Beside it the model lacks something that is too little to be its cause: ema diagnose with the same records says what."
+    return " Beside it the model lacks something that is too little to be its cause but may move its size: ema diagnose with the same records says what."
 
 
 def _magnets(found: Identified) -> str:
@@ -229,7 +229,7 @@ def _verdict(found: Identified) -> str:
     shifts = ", ".join(_shift(found, estimate) for estimate in found.answer.identified)
     if found.verdict == "undecided":
         return f"Undecided: the search reads {shifts}{BECAUSE}{'; '.join(reasons(found))}."
-    return f"{found.verdict.capitalize()}: {shifts}.{_not_sure(found)}{_scatter(found)}"
+    return f"{found.verdict.capitalize()}: {shifts}.{_new(found)}{_not_sure(found)}{_scatter(found)}"
 
 
 def _not_sure(found: Identified) -> str:

@@ -31,7 +31,6 @@ from ema_tools.words.sentences.identification import (
     shift_text,
     table_sentence,
     values_sentence,
-    without_sentence,
 )
 from ema_tools.words.sentences.machine_units import TURNING, MachineUnits
 from ema_tools.words.sentences.sizes import ends_text, significant, size_text
@@ -242,8 +241,6 @@ def identification(console: Console, found: IdentificationResult) -> None:
             for name, value in found.baseline.values.items()
         )
         say(console, f"healthy values from {found.baseline.records} healthy record{'s' if found.baseline.records > 1 else ''}: {text}")
-        if found.baseline.without:
-            say(console, without_sentence(found.baseline.without))
     for name, estimate in found.estimates.items() if found.seeds else ():
         others = (other.csj_Nm if name == "csj_Nm" else other.blk_mm for other in found.seeds)
         values = [estimate.estimate, *(value for value in others if value is not None)]
@@ -345,6 +342,8 @@ def _first_line(found: DiagnosisResult | DiagnosisByBalanceResult) -> str:
             return "Verdict: unknown: chance or something missing, these records do not tell."
     else:
         changed = [_changed(within(name), one.shift_percent) for name, one in found.faults.items() if one.accepted]
+    if found.verdict == "adequate" and changed and isinstance(found, DiagnosisResult) and found.error.leaves_much:
+        return f"Verdict: adequate as far as the library goes, but {listed(changed)}, and more is left than noise."
     if found.verdict == "adequate" and changed:
         return f"Verdict: adequate: no effect is missing, but {listed(changed)}."
     return _VERDICTS[found.verdict]
