@@ -97,7 +97,7 @@ def test_a_model_that_leaves_much_is_not_read_again() -> None:
 def test_a_voltage_that_was_left_out_is_decided_on_before_anything_is_added() -> None:
     remark = Remark("asked voltage", "weakens", "the recorded voltage contradicts what the other signals agree on")
     told = with_next(replace(adequate(0.8), verdict="missing", gate=Validity(remarks=(remark,))))
-    assert told.next == () and "take the column voltage_V out" in told.next_experiment
+    assert told.next == () and "call its column terminal_voltage_V" in told.next_experiment
 
 
 def test_what_is_new_since_the_healthy_records_is_looked_for() -> None:

@@ -221,8 +221,8 @@ def _based(evidence: Evidence) -> tuple[KnownMachine, MachineFit]:
 _AS_ASKED = RecordRemark(
     "asked voltage",
     "weakens",
-    "the recorded voltage contradicts what the other signals agree on, and is left out: it may be what the controller asks of a supply that gives less",
-    "record what is applied to the motor as voltage_V",
+    "the recorded voltage contradicts what the other signals agree on, and is left out: it may be measured at the motor, or asked of a supply that gives less",
+    "call its column terminal_voltage_V where it is measured at the motor, else take it out",
 )
 
 
