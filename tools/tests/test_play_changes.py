@@ -16,7 +16,7 @@ from ema_tools.base.interval import WIDTH_95
 from ema_tools.base.lag import lagged
 from ema_tools.data.actuator import Actuator, read_actuator
 from ema_tools.data.motion_records import MotionRecord
-from ema_tools.select.play_changes import play_changes, play_seen, play_value, plays_seen
+from ema_tools.select.play_changes import lag_remarks, play_changes, play_seen, play_value, plays_seen
 from ema_tools.tasks.diagnose_by_balance import BalanceAnswer, answer_by_balance
 from ema_tools.words.sentences.balance import sentence
 
@@ -207,6 +207,43 @@ def test_speed_of_the_rod_is_none_of_the_motor(sheet: Actuator) -> None:
     # a recorded position counts more than an integral
     both = play_seen(sheet, there.with_columns({"motor_position_mm": there.recorded("position_mm")}))
     assert both is not None and (both.width_mm, both.drift_mm) == (pytest.approx(0.0, abs=1e-6), 0.0)
+
+
+def late(seed: int, width: float, lag_s: float, kind: str) -> MotionRecord:
+    """One record of both positions, of which the rod's is read late."""
+    random = np.random.default_rng(seed)
+    rate = rate_of(kind, random)
+    motor = np.cumsum(rate) * PERIOD_S
+    motor -= np.mean(motor)
+    time = np.arange(motor.size) * PERIOD_S
+    rod = np.interp(time - lag_s, time, behind(motor, width))
+    return MotionRecord(
+        PERIOD_S,
+        f"late_{seed}.csv",
+        position_mm=1.0005 * rod + 0.3 + NOISE_MM * random.normal(size=rod.size),
+        motor_position_mm=motor + 0.25 * NOISE_MM * random.normal(size=rod.size),
+        current_A=0.1 * np.sign(rate),
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "width"),
+    some(product(("sweep", "pick and place"), (0.0, 0.02, 0.1, 0.5)), [("sweep", 0.0), ("pick and place", 0.02), ("sweep", 0.5)]),
+)
+def test_a_lag_between_two_encoders_is_no_play_and_both_are_read(sheet: Actuator, kind: str, width: float) -> None:
+    for number, lag_s in enumerate((-0.003, 0.0, 0.001, 0.003, 0.005)):
+        seen = play_seen(sheet, late(number, width, lag_s, kind))
+        assert seen is not None
+        (told,) = play_value(sheet, [seen])
+        assert abs(told.value - width) < WIDTH_95 * told.std and told.std < 0.001 + 0.1 * width, (lag_s, told)
+        assert abs(seen.lag_s - lag_s) < WIDTH_95 * seen.lag_std_s < 0.0003, (lag_s, seen)
+        assert bool(lag_remarks([seen])) == (lag_s != 0.0)
+
+
+def test_a_play_is_not_told_from_a_lag_at_one_speed_but_its_change_is(sheet: Actuator) -> None:
+    before, after = (plays_seen(sheet, [late(seed, width, 0.002, "one speed") for seed in range(3)]) for width in (0.02, 0.05))
+    assert play_value(sheet, before) == ()
+    assert np.mean([one.width_mm for one in after]) - np.mean([one.width_mm for one in before]) == pytest.approx(0.03, rel=0.1)
 
 
 def changed(sheet: Actuator, before: float, today: float, seed: int, **drive: Any) -> Any:

@@ -4,15 +4,16 @@ The balance of forces hardly sees a play: the motor moves the same masses with a
 the other. Which side, friction decides (the side that the motor comes from, the play of the module), or a load that outweighs it: then it changes where the load does and not where the motion
 turns.
 
-Where only the motor's speed is recorded, its integral is the motor's position but for a drift, and for the lag of the filter that drives report a speed through, which puts it off by as much as the
-speed is large: nearly as a play does that turns with the motion. All of that is fitted beside the play, and what of the play it does not take up tells the width.
+A rod that is read a little later than the motor is behind it by as much as the speed is large: nearly as with a play that turns with the motion. Where only the motor's speed is recorded, its
+integral is the motor's position but for a drift besides, and for the lag of the filter that drives report a speed through. All of that is fitted beside the play, and what of the play it does not
+take up tells the width.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,9 @@ from ema_tools.balances.effects import transmission_of
 from ema_tools.balances.filtering import Smoother
 from ema_tools.balances.motion import train_of
 from ema_tools.base.arrays import Reals
+from ema_tools.base.interval import WIDTH_95
 from ema_tools.base.orthonormal import orthonormal
+from ema_tools.compare.validity import RecordRemark
 from ema_tools.data.actuator import STARTS, Actuator, row_of
 from ema_tools.data.motion_records import AnyRecord
 from ema_tools.data.motion_signals import integrated
@@ -37,6 +40,10 @@ _OF_LEFT = 0.3  # ... and as a share of what the play leaves of the rod's positi
 _FORM = 0.07  # of a play, that contacts which yield and a rod with a mass take off what is seen, one standard deviation [judgement]
 _LEAST_TIMES = 3.0  # such standard deviations are a change [chance]
 _EXPLAINED = 0.999  # of the rod's square about its mean, that the motor must explain: else other things lie between the two, or one is of another axis [judgement]
+_CLEARLY = 0.95  # of what is left where friction decides the side: the best of hundreds of loads leaves as little by chance [chance]
+_LAG_TRUSTED = 0.02  # of a lag between two encoders, to which its slope over the smoothed speed is trusted [judgement]
+_LAG_LEAST_S = 5e-5  # doubt of a lag at least [judgement]
+_LAG_TOLD = 3.0  # standard deviations from which on a lag is told [chance]
 _WIDEST = 0.25  # of the motor's way: a play as wide as that is not seen as one [judgement]
 _WIDTHS = 24  # widths looked at before the best is refined [effort]
 _NARROWEST = 1e-4  # of the widest, the first of them [precision]
@@ -56,11 +63,19 @@ _MOVES = 0.02  # of the greatest speed: slower than that, the rod's friction has
 @dataclass(frozen=True)
 class SeenPlay:
     """The play that one record shows, and what it leaves of the rod's position, rms; `drift_mm`: how far drift and lag of a motor position that was integrated may put the play off, one standard
-    deviation, 0 of a recorded one. All in mm."""
+    deviation, 0 of a recorded one. All in mm. `lag_s`, `lag_std_s`: by how much the rod is read later than the motor, where both positions are recorded, and one standard deviation, which is
+    infinite where the motion does not tell a lag from a play: the width is then right if there is none, and its change from record to record is right whatever the lag."""
 
     width_mm: float
     left_mm: float
     drift_mm: float = 0.0
+    lag_s: float = 0.0
+    lag_std_s: float = 0.0
+
+    @property
+    def lags(self) -> bool:
+        """Whether one of the two is surely read later than the other."""
+        return abs(self.lag_s) > _LAG_TOLD * self.lag_std_s > 0.0
 
     @property
     def doubt_mm(self) -> float:
@@ -70,27 +85,25 @@ class SeenPlay:
 
 @dataclass(frozen=True)
 class _Motor:
-    """The motor at the rod: mm, its smoothed speed mm/s, [rows], and what the position may be off by beside a constant, [rows, k], none of a recorded one."""
+    """The motor at the rod: mm, its smoothed speed mm/s, [rows], and what the position may be off by beside a constant, [rows, k]: what a lag makes, last, and of an integrated speed its drift."""
 
     mm: Reals
     speed_mm_s: Reals
     errors: Reals
-
-    @property
-    def integrated(self) -> bool:
-        """Whether a speed alone was recorded."""
-        return bool(self.errors.shape[1])
+    integrated: bool
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """A width that was fitted in mm, and on the rows that move: the side at which the rod stands, less what all other columns make of it, what is left of the rod, mm, and the share of the side's
-    square that the other columns do not make."""
+    """A width that was fitted in mm, and on the `rows` that move [all rows]: the side at which the rod stands, less what all other columns make of it, what is left of the rod, mm, and the share of
+    the side's square that the other columns do not make. `whole`: the side at all rows."""
 
     width_mm: float
     side: Reals
     left: Reals
     own: float
+    rows: NDArray[np.bool_]
+    whole: Reals
 
     @property
     def left_mm(self) -> float:
@@ -114,36 +127,53 @@ def play_seen(actuator: Actuator, record: AnyRecord) -> SeenPlay | None:
     turned = np.where(moves, np.sign(motor.speed_mm_s), 0.0)
     if np.count_nonzero(_counted(motor, turned, _held(turned), record.period_s)) <= _ROWS * np.count_nonzero(turned):
         return None
-    by_friction = _by_motion(actuator, motor, rod, turned, record.period_s)
-    found = min((by_friction, *_by_load(record, smoother, motor, rod, turned)), key=lambda one: one.left_mm)
-    if not found.left_mm**2 <= (1.0 - _EXPLAINED) * about:
+    found, sure = _best(actuator, record, motor, rod, turned, smoother)
+    if not sure and not motor.integrated:
+        # with one lag, that of both encoders, in every record
+        found, _ = _best(actuator, record, replace(motor, errors=motor.errors[:, :0]), rod, turned, smoother)
+    if not found.left_mm**2 <= (1.0 - _EXPLAINED) * about or (motor.integrated and not sure):
         return None
     if not motor.integrated:
-        return SeenPlay(found.width_mm, found.left_mm)
-    # a play behind friction that drift and lag take up wholly leaves as little whatever else decides the side
-    likely = (found, by_friction) if by_friction.left_mm < _AS_LIKELY * found.left_mm else (found,)
-    if min(one.own for one in likely) < _OWN:
-        return None
+        return SeenPlay(found.width_mm, found.left_mm, 0.0, *(_lag(motor, rod, found, smoother) if sure else (0.0, math.inf)))
     return SeenPlay(found.width_mm, found.left_mm, _CHOSEN * _std_by_left(found))
 
 
-def _by_motion(actuator: Actuator, motor: _Motor, rod: Reals, turned: Reals, period_s: float) -> _Fit:
-    """The width of a play behind which friction holds the rod, that fits best."""
-    moves = _counted(motor, turned, _held(turned), period_s)
-    widest = min(_WIDEST * float(np.ptp(motor.mm)), row_of(PLAY).upper)
-    errors, _ = orthonormal(motor.errors[moves] - np.mean(motor.errors[moves], axis=0))
+def _best(actuator: Actuator, record: AnyRecord, motor: _Motor, rod: Reals, turned: Reals, smoother: Smoother) -> tuple[_Fit, bool]:
+    """The fit that leaves least, and whether nothing but a play makes it: a play behind friction that drift and lag take up wholly leaves as little whatever else decides the side."""
+    by_friction = _by_motion(actuator, motor, rod, turned, smoother)
+    by_load = min(_by_load(record, smoother, motor, rod, turned), key=lambda one: one.left_mm, default=by_friction)
+    found = by_load if by_load.left_mm < _CLEARLY * by_friction.left_mm else by_friction
+    likely = (found, by_friction) if by_friction.left_mm < _AS_LIKELY * found.left_mm else (found,)
+    return found, min(one.own for one in likely) >= _OWN
 
-    def apart(values: Reals) -> Reals:
-        about = values - np.mean(values)
-        return about - errors @ (errors.T @ about)
+
+def _of_lag(position_mm: Reals, smoother: Smoother) -> Reals:
+    """What a short lag of a position makes of it, [rows, 2]: its speed, last, and its acceleration."""
+    speed = np.gradient(smoother.smooth(position_mm), smoother.period_s)
+    return np.column_stack([np.gradient(speed, smoother.period_s), speed])
+
+
+def _by_motion(actuator: Actuator, motor: _Motor, rod: Reals, turned: Reals, smoother: Smoother) -> _Fit:
+    """The width of a play behind which friction holds the rod, that fits best."""
+    moves = _counted(motor, turned, _held(turned), smoother.period_s)
+    widest = min(_WIDEST * float(np.ptp(motor.mm)), row_of(PLAY).upper)
 
     def behind(width: float) -> Reals:
         return np.asarray(library().play(*actuator.changed({PLAY: width}).arrays(), motor.mm, float(motor.mm[0])))
 
-    seen = apart(rod[moves])
+    def apart(values: Reals, errors: Reals) -> Reals:
+        about = values - np.mean(values)
+        return about - errors @ (errors.T @ about)
+
+    def beside(modelled: Reals) -> Reals:
+        """An orthonormal basis of what a position may be off by where the rod does what is `modelled`: it stands while the motor passes the play, and that is read late."""
+        columns = motor.errors if motor.integrated or not motor.errors.size else _of_lag(modelled, smoother)
+        return orthonormal(columns[moves] - np.mean(columns[moves], axis=0))[0]
 
     def rest(width: float) -> Reals:
-        moved = apart(behind(width)[moves])
+        modelled = behind(width)
+        errors = beside(modelled)
+        moved, seen = apart(modelled[moves], errors), apart(rod[moves], errors)
         gain = float(moved @ seen) / float(moved @ moved) if np.any(moved) else 0.0
         return seen - gain * moved
 
@@ -157,10 +187,11 @@ def _by_motion(actuator: Actuator, motor: _Motor, rod: Reals, turned: Reals, per
     found = minimize_scalar(left, bounds=ends, method="bounded", options={"xatol": _NARROWEST * widest})
     width = float(found.x) if found.fun < squares[best] else widths[best]
     side = (motor.mm - behind(width)) / (0.5 * width) if width > 0.0 else turned
-    own = apart(side[moves])
-    moved = apart(motor.mm[moves])
+    errors = beside(behind(width))
+    own = apart(side[moves], errors)
+    moved = apart(motor.mm[moves], errors)
     own = own - moved * (float(moved @ own) / float(moved @ moved))
-    return _Fit(width, own, rest(width), float(own @ own) / float(side[moves] @ side[moves]))
+    return _Fit(width, own, rest(width), float(own @ own) / float(side[moves] @ side[moves]), moves, side)
 
 
 def _by_load(record: AnyRecord, smoother: Smoother, motor: _Motor, rod: Reals, turned: Reals) -> Iterator[_Fit]:
@@ -187,7 +218,7 @@ def _by_load(record: AnyRecord, smoother: Smoother, motor: _Motor, rod: Reals, t
                 own, seen = here - basis @ (basis.T @ here), seen - basis @ (basis.T @ seen)
                 square = float(own @ own)
                 half = float(own @ seen) / square if square > _SAME * here.size else 0.0
-                yield _Fit(2.0 * abs(half), own, seen - half * own, square / here.size)
+                yield _Fit(2.0 * abs(half), own, seen - half * own, square / here.size, rows, np.sign(half) * side)
 
 
 def _counted(motor: _Motor, turned: Reals, side: Reals, period_s: float) -> NDArray[np.bool_]:
@@ -199,6 +230,16 @@ def _counted(motor: _Motor, turned: Reals, side: Reals, period_s: float) -> NDAr
     since = places - np.maximum.accumulate(np.where(changed, places, -side.size))
     settled: NDArray[np.bool_] = moves & (since >= _SETTLES_S / period_s)
     return settled if motor.integrated or np.count_nonzero(settled) > _ROWS * np.count_nonzero(moves) else moves
+
+
+def _lag(motor: _Motor, rod: Reals, fit: _Fit, smoother: Smoother) -> tuple[float, float]:
+    """By how much the rod is read later than the motor, s, beside a play of this width, and one standard deviation."""
+    behind = motor.mm - 0.5 * fit.width_mm * fit.whole
+    columns = np.column_stack([_of_lag(behind, smoother)[:, ::-1], behind, np.ones_like(behind)])[fit.rows]
+    found, *_ = np.linalg.lstsq(columns, rod[fit.rows], rcond=None)
+    by_noise = fit.left_mm * math.sqrt(float(np.linalg.inv(columns.T @ columns)[0, 0]))
+    lag_s = -float(found[0])
+    return lag_s, math.hypot(by_noise, _LAG_TRUSTED * lag_s, _LAG_LEAST_S)
 
 
 def _std_by_left(fit: _Fit) -> float:
@@ -241,12 +282,30 @@ def play_changes(machine: HealthyByBalance, before: Sequence[SeenPlay], records:
 
 
 def play_value(given: Actuator, seen: Sequence[SeenPlay]) -> tuple[BaseValue, ...]:
-    """The play as records show it, beside what the actuator's file states; nothing where none tells it."""
+    """The play as records show it that tell it from a lag, beside what the actuator's file states; nothing where none does."""
+    seen = [one for one in seen if math.isfinite(one.lag_std_s)]
     if not seen:
         return ()
     width, _ = _told(seen)
     by_import = not given[PLAY] > 0.0 or given.remark(PLAY) in STARTS
     return (BaseValue(PLAY, given[PLAY], by_import, width, math.hypot(_std_of_mean(seen), _FORM * width), "", False, math.nan, math.nan),)
+
+
+def lag_remarks(seen: Sequence[SeenPlay]) -> tuple[RecordRemark, ...]:
+    """What is said of two encoders of which one is surely read later than the other."""
+    sure = [one for one in seen if one.lags]
+    if not sure:
+        return ()
+    weights = np.array([one.lag_std_s**-2 for one in sure])
+    lag_ms = 1e3 * float(np.average([one.lag_s for one in sure], weights=weights))
+    half_ms = WIDTH_95 * 1e3 * max(one.lag_std_s for one in sure)
+    which = "rod is read {0} ms after the motor" if lag_ms > 0.0 else "motor is read {0} ms after the rod"
+    told = which.format(f"{abs(lag_ms):.2f} [{max(abs(lag_ms) - half_ms, 0.0):.2f} .. {abs(lag_ms) + half_ms:.2f}]")
+    return (
+        RecordRemark(
+            "lag", "weakens", f"the {told}, which is no play (BLK) and is taken off", "read both encoders at the same instant", sensor=True
+        ),
+    )
 
 
 def _told(seen: Sequence[SeenPlay]) -> tuple[float, float]:
@@ -281,11 +340,13 @@ def _motor(actuator: Actuator, record: AnyRecord, smoother: Smoother) -> _Motor 
     if place is None and angle is not None and lead is not None:
         place = np.asarray(lead * angle)
     if place is not None:
-        return _Motor(place, np.gradient(smoother.smooth(place), record.period_s), np.zeros((record.rows, 0)))
+        lag = _of_lag(place, smoother)
+        return _Motor(place, lag[:, -1], lag, False)
     if speed is None or lead is None:
         return None
     moved = np.asarray(lead * speed)
     smooth = smoother.smooth(moved)
     time = np.linspace(-1.0, 1.0, record.rows)
     # an error of the speed makes a straight line, one that warms away a parabola; what a drive filters its speed by takes of the integral what the speed is, and what its rate is
-    return _Motor(integrated(moved, record.period_s), smooth, np.column_stack([time, time**2, moved, np.gradient(smooth, record.period_s)]))
+    errors = np.column_stack([time, time**2, np.gradient(smooth, record.period_s), moved])
+    return _Motor(integrated(moved, record.period_s), smooth, errors, True)

@@ -38,7 +38,7 @@ from ema_tools.select.foreign_records import FOREIGN, another_machine, foreign_r
 from ema_tools.select.forward_errors import Forward, forward_of
 from ema_tools.select.healthy_balance import HealthyByBalance, healthy_machine
 from ema_tools.select.healthy_records import check_apart, check_once
-from ema_tools.select.play_changes import play_changes, play_value, plays_seen
+from ema_tools.select.play_changes import lag_remarks, play_changes, play_value, plays_seen
 from ema_tools.select.standstill_changes import looks_like, standstill_changes
 from ema_tools.select.value_changes import CONSTANT, Change, changed_alone, changes_of
 from ema_tools.select.winding_changes import winding_changes
@@ -296,17 +296,18 @@ def answer_by_balance(
     there = where(actuator, first) if not isinstance(first, MotionRecord) else None
     compared = (compared_percent(actuator, records), compared_percent(forces.actuator, records))
     forward = forward_of(actuator, forces.actuator, records, holdout, forces.division, forces.foretold)
+    plays = plays_seen(actuator, records)
     return BalanceAnswer(
         tuple(records),
         tuple(holdout),
         actuator,
-        _with(gates, foreign_records(forces.actuator, (*records, *holdout))),
+        _with(gates, (*foreign_records(forces.actuator, (*records, *holdout)), *lag_remarks(plays))),
         there,
         forces,
         compared,
         forward,
         _pictures(forces, records),
-        base=(*forces.base, *play_value(actuator, plays_seen(actuator, records))),
+        base=(*forces.base, *play_value(actuator, plays)),
     )
 
 
@@ -381,7 +382,7 @@ def answer_against(
     changes = (*told.values, *play_changes(machine, plays, records), *rests, *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
-    odd = [*foreign_records(forces.actuator, (*records, *holdout)), *another_machine(changes)]
+    odd = [*foreign_records(forces.actuator, (*records, *holdout)), *another_machine(changes), *lag_remarks(plays)]
     return BalanceAnswer(
         tuple(records),
         tuple(holdout),

@@ -200,7 +200,7 @@ def after_diagnosis(found: DiagnosisResult | DiagnosisByBalanceResult) -> Advice
         return Advice("Nothing is to be added", found.next_experiment.removeprefix("Next: "), "good")
     left_out = next((remark for remark in found.gate.remarks if remark.topic == "asked voltage"), None)
     if left_out is not None and found.verdict == "missing":
-        told = "call its column terminal_voltage_V where it is measured at the motor, else take it out, and diagnose again: as voltage_V, what the controller asks for, it contradicts all other signals"
+        told = "call its column terminal_voltage_V where it is measured at the motor, else take it out, and diagnose again: as what the controller asks for it contradicts all other signals"
         return Advice("Decide on the voltage", told, "unsure")
     between = together(found.effects, found.rivals)
     if found.verdict == "missing" and not by_balance and separable(between):
