@@ -251,9 +251,8 @@ def changed(sheet: Actuator, before: float, today: float, seed: int, **drive: An
     machine: Any = SimpleNamespace(actuator=sheet, times=3.0)
     healthy = plays_seen(sheet, [of_speed(seed + k, before, kind, **drive) for k, kind in enumerate((*KINDS, "sine"))])
     otherwise = {**drive, "lag_s": 0.01, "poles": 2}
-    found = play_changes(
-        machine, healthy, [of_speed(seed + 10 + k, today, kind, **otherwise) for k, kind in enumerate(("sweep", "pick and place"))]
-    )
+    after = plays_seen(sheet, [of_speed(seed + 10 + k, today, kind, **otherwise) for k, kind in enumerate(("sweep", "pick and place"))])
+    found = play_changes(machine, healthy, after)
     return found[0] if found else None
 
 

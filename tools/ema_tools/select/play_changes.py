@@ -266,12 +266,9 @@ def plays_seen(actuator: Actuator, records: Sequence[AnyRecord]) -> tuple[SeenPl
     return tuple(one for one in (play_seen(actuator, record) for record in records) if one)
 
 
-def play_changes(machine: HealthyByBalance, before: Sequence[SeenPlay], records: Sequence[AnyRecord]) -> tuple[Change, ...]:
-    """The play, where two healthy records or more (`before`) and one of today tell it; nothing where they do not."""
-    if len(before) < 2:
-        return ()
-    after = plays_seen(machine.actuator, records)
-    if not after:
+def play_changes(machine: HealthyByBalance, before: Sequence[SeenPlay], after: Sequence[SeenPlay]) -> tuple[Change, ...]:
+    """The play, where two healthy records or more (`before`) and one of today (`after`) tell it; nothing where they do not."""
+    if len(before) < 2 or not after:
         return ()
     (healthy, shown), (today, _) = _told(before), _told(after)
     limit = max(machine.times * shown, _LEAST_TIMES * _least(healthy, before)) * math.sqrt(1.0 + 1.0 / len(before))

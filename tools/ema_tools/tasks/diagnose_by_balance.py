@@ -375,14 +375,14 @@ def answer_against(
         found = fewer_causes(machine, found, records, holdout, fixes, lambda share, text: report(0.9 + 0.1 * share, text))
     report(1.0, "done")
     forces, told = found.forces, found.told
-    plays = plays_seen(known, machine.records)
+    plays, today = plays_seen(known, machine.records), plays_seen(machine.actuator, records)
     # what is no change is as it was: a value that was fitted may have taken up something else
     as_told = {one.name: one.today if one.counts else one.healthy for one in told.values}
     rests = standstill_changes(machine, forces.actuator.changed(as_told), records, found.effects)
-    changes = (*told.values, *play_changes(machine, plays, records), *rests, *winding_changes(machine, records))
+    changes = (*told.values, *play_changes(machine, plays, today), *rests, *winding_changes(machine, records))
     compared = (compared_percent(known, records), compared_percent(forces.actuator, records))
     forward = forward_of(known, forces.actuator, records, holdout, forces.division, forces.foretold)
-    odd = [*foreign_records(forces.actuator, (*records, *holdout)), *another_machine(changes), *lag_remarks(plays)]
+    odd = [*foreign_records(forces.actuator, (*records, *holdout)), *another_machine(changes), *lag_remarks(today)]
     return BalanceAnswer(
         tuple(records),
         tuple(holdout),

@@ -306,9 +306,9 @@ def _follow(found: IdentificationResult, line: CommandLine) -> Advice:
         return Advice("Hold it against all signals", "this is what the onboard module says alone", "", again)
     if found.verdict == "fault" and found.error is not None and found.error.leaves_much:
         return Advice("Ask what else there is", "the fault stands beside it", "", _ema("diagnose", line.actuator, record, *healthy))
-    new = found.baseline.without if found.baseline is not None else ()
-    find = f"Find the cause of {listed([within(name) for name in new])}, and follow it" if new else "Nothing; follow it"
-    short = "Repair, and follow it" if found.verdict == "fault" else find
+    short = "Repair, and follow it" if found.verdict == "fault" else "Nothing; follow it"
+    if found.verdict == "healthy" and found.baseline is not None and found.baseline.without:
+        short = f"Find the cause of {listed([within(name) for name in found.baseline.without])}, and follow it"
     kept = line.options.get("--json")
     if kept:
         told = "over its dates: put the unit's earlier results before this one"

@@ -20,7 +20,7 @@ from ema_tools.words.page.results import ShownIdentification
 from ema_tools.words.page.sheet import Chapter, document, kept, origin, table
 from ema_tools.words.page.tables import beside_paper
 from ema_tools.words.page.uplot import ABSENT, library
-from ema_tools.words.sentences.identification import determined_words, table_sentence, values_sentence
+from ema_tools.words.sentences.identification import determined_words, new_sentence, table_sentence, values_sentence
 
 _MODELS = {"before": "healthy values", "after": "identified values"}
 _UM = 1000.0  # um in a mm [physics]
@@ -139,6 +139,8 @@ def _sizes(result: ShownIdentification) -> str:
             told.append(f"{SHORT.get(name.partition('.')[2], name)} {words.number(value, 4)} {names.unit_of(name)}{ends}")
         many = "s" if baseline.records > 1 else ""
         parts.append(f"<p>Healthy values from {baseline.records} healthy record{many}: {kept('; '.join(told))}.</p>")
+        if baseline.without:
+            parts.append(f"<p>{kept(new_sentence(baseline.without))}</p>")
     parts.append(_seeds(result))
     parts.append(_shape(result))
     return "".join(parts)

@@ -8,7 +8,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.display_names import all_coded, coded, value_words, within
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import separable, separating
-from ema_tools.results.parts import MUCH_LEFT
+from ema_tools.results.parts import MUCH_LEFT, ErrorsEntry
 from ema_tools.select.outcome import Named
 from ema_tools.tasks.diagnose import Answer
 from ema_tools.words.sentences import unexplained, validity
@@ -123,7 +123,8 @@ def _left(found: Answer) -> str:
 
 
 def _leaves_much(found: Answer) -> bool:
-    return found.errors.after > MUCH_LEFT * found.errors.floor
+    errors = found.errors
+    return ErrorsEntry(errors.before, errors.after, errors.floor).leaves_much
 
 
 def _unit_words(found: Answer) -> str:

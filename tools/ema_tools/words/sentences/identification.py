@@ -57,9 +57,9 @@ def missing_words(checked: CrossCheck) -> str:
     )
 
 
-def _new(found: Identified) -> str:
+def new_sentence(effects: Iterable[str]) -> str:
     """Effects of the model that the healthy records do not have: a machine without wear may have changed all the same."""
-    return f" New since the healthy records: {all_coded(found.since)}, counted for today's record alone." if found.since else ""
+    return f"New since the healthy records: {all_coded(effects)}, counted for today's record alone."
 
 
 def _effect(checked: CrossCheck, size: str) -> str:
@@ -136,7 +136,8 @@ def reasons(found: Identified) -> tuple[str, ...]:
 def sentence(found: Identified) -> str:
     """The answer in one sentence, and another where few healthy records stand behind it."""
     few = few_records(found.baseline.records, found.healthy) if found.baseline is not None else ""
-    return f"{_verdict(found)}{_hides(found)}{_reach(found) or _left(found)}{_beside(found)}{_warmth(found)}{_magnets(found)}{_winding(found)}{few}"
+    new = f" {new_sentence(found.since)}" if found.since else ""
+    return f"{_verdict(found)}{new}{_hides(found)}{_reach(found) or _left(found)}{_beside(found)}{_warmth(found)}{_magnets(found)}{_winding(found)}{few}"
 
 
 def _beside(found: Identified) -> str:
@@ -229,7 +230,7 @@ def _verdict(found: Identified) -> str:
     shifts = ", ".join(_shift(found, estimate) for estimate in found.answer.identified)
     if found.verdict == "undecided":
         return f"Undecided: the search reads {shifts}{BECAUSE}{'; '.join(reasons(found))}."
-    return f"{found.verdict.capitalize()}: {shifts}.{_new(found)}{_not_sure(found)}{_scatter(found)}"
+    return f"{found.verdict.capitalize()}: {shifts}.{_not_sure(found)}{_scatter(found)}"
 
 
 def _not_sure(found: Identified) -> str:
