@@ -8,6 +8,12 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
     set(ema_relocatable OFF)
 endif()
 
+# Without optimisation the square root is a call, with an operating system or without one.
+set(ema_math "")
+if(CMAKE_C_COMPILER_ID MATCHES "^(GNU|Clang|AppleClang)$" AND NOT MSVC)
+    set(ema_math m)
+endif()
+
 set(ema_libraries ema)
 if(EMA_FLOAT64)
     list(APPEND ema_libraries ema64)
@@ -26,10 +32,7 @@ foreach(target IN LISTS ema_libraries)
         target_compile_definitions(${target} PUBLIC "$<BUILD_INTERFACE:EMA_OWN_EFFECTS=\"${EMA_OWN_FOLDER}/own_effects.def\">"
                                    "$<INSTALL_INTERFACE:EMA_OWN_EFFECTS=\"ema/own_effects.def\">")
     endif()
-    if(UNIX)
-        # Without optimisation the square root is a call.
-        target_link_libraries(${target} PUBLIC m)
-    endif()
+    target_link_libraries(${target} PUBLIC ${ema_math})
 endforeach()
 if(EMA_FLOAT64)
     target_compile_definitions(ema64 PUBLIC EMA_REAL64=1)
@@ -50,9 +53,9 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/EMAConfigVersion.cmake" DESTINATION "
 # For builds by pkg-config: paths are found from the file's own place, so that what is installed may be moved.
 set(EMA_PC_LIBS "-lema")
 set(EMA_PC_CFLAGS "")
-if(UNIX)
-    string(APPEND EMA_PC_LIBS " -lm")
-endif()
+foreach(library IN LISTS ema_math)
+    string(APPEND EMA_PC_LIBS " -l${library}")
+endforeach()
 if(EMA_OWN_FOLDER)
     set(EMA_PC_CFLAGS " -DEMA_OWN_EFFECTS='\"ema/own_effects.def\"'")
 endif()

@@ -106,7 +106,11 @@ def check(arguments: argparse.Namespace) -> str:
     run(["cmake", "--build", work / "arm_found"], work)
     run(["cmake", "-S", root, "-B", work / "arm_flags", *ALONE, toolchain, "-DCMAKE_C_FLAGS=-mcpu=cortex-m4 -mthumb -O2"], work)
     expect(levels(command_of(work / "arm_flags")) == ["-O2"], "the user's -O2 on a target without an operating system is not the last word")
-    return f"{ways}, and a Cortex-M4F by find_package; flags of the user's stay"
+    run(["cmake", "-S", project, "-B", work / "arm_folder", toolchain, f"-DEMA_FOLDER={root}"], work)
+    command = command_of(work / "arm_folder")
+    expect(not levels(command), f"a folder of a project without a build type: compiled with {levels(command)}, not as the project is")
+    run(["cmake", "--build", work / "arm_folder", "-j2"], work)
+    return f"{ways}, and a Cortex-M4F by find_package and as a folder; flags of the user's stay"
 
 
 if __name__ == "__main__":
