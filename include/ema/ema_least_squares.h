@@ -186,8 +186,8 @@ ema_status_t ema_least_squares_init(ema_least_squares_t* self, const ema_least_s
 
 /* Runs for `steps` plain steps of work (ema_objective_run). Preparing a model, and deciding on a step, count as 160 of
  * them each, about what they take, and are not divided: a slice that has less left leaves them to the next one. A value
- * of which no model can be made costs the most and is left. Errors: EMA_ERR_NULL, also of one that was never begun.
- * Once done, a call does nothing. */
+ * of which no model can be made costs the most and is left. Errors: EMA_ERR_NULL, also of one that was never begun;
+ * EMA_ERR_RANGE for no steps. Once done, a call does nothing. */
 ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps);
 
 bool ema_least_squares_done(const ema_least_squares_t* self);

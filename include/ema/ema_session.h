@@ -179,20 +179,21 @@ ema_status_t ema_session_gap(ema_session_t* session);
 
 /* Runs for `steps` plain steps of work: so many model steps where nothing happens and no effect acts, fewer otherwise,
  * so that a slice takes about as long whatever the machine does (ema_step_scratch.h); the first call ends the feeding.
- * Errors: EMA_ERR_NULL; EMA_ERR_ORDER for zeroed memory that was never started; EMA_ERR_RANGE when the configuration
- * has another number of parameters than at the start; EMA_ERR_SHORT for fewer than EMA_ROWS_MIN rows (feeding may go
- * on); those of ema_objective_start at the first call, which can then be repeated. Later calls answer EMA_OK: a
- * candidate of which no model can be made counts as the worst. Cost: that work, and the rest of the step that reaches
- * it. Ending a model run and preparing the next counts as 160, with four values and effects it takes twice that, and is
- * not divided: a slice that has less left leaves it to the next one. The longest slice of 200 that was found, over
- * effects, commands and records: docs/BUDGETS.md. Once done, a call does nothing. */
+ * Errors: EMA_ERR_NULL; EMA_ERR_ORDER for zeroed memory that was never started; EMA_ERR_RANGE for no steps, by which a
+ * loop would never end, and when the configuration has another number of parameters than at the start; EMA_ERR_SHORT
+ * for fewer than EMA_ROWS_MIN rows (feeding may go on); those of ema_objective_start at the first call, which can then
+ * be repeated. Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst. Cost: that
+ * work, and the rest of the step that reaches it. Ending a model run and preparing the next counts as 160, with four
+ * values and effects it takes twice that, and is not divided: a slice that has less left leaves it to the next one. The
+ * longest slice of 200 that was found, over effects, commands and records: docs/BUDGETS.md. Once done, a call does
+ * nothing. */
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps);
 
 /* EMA_PHASE_FEEDING of none. */
 ema_phase_t ema_session_phase(const ema_session_t* session);
 
 /* What is known now: the best point so far while the search runs, with verdict UNDECIDED. Errors: EMA_ERR_NULL;
- * EMA_ERR_ORDER before the first run; EMA_ERR_RANGE as of ema_session_run. */
+ * EMA_ERR_ORDER before the first run; EMA_ERR_RANGE for another number of parameters, as of ema_session_run. */
 ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* result);
 
 /* Half of the 95 % interval about the estimate at `place` of a result: its standard error, its bias and, of CSJ and

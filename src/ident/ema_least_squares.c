@@ -600,6 +600,9 @@ ema_status_t ema_least_squares_run(ema_least_squares_t* self, uint32_t steps)
     if ((self == NULL) || (self->config == NULL)) {
         return EMA_ERR_NULL;
     }
+    if (steps == 0U) {
+        return EMA_ERR_RANGE;
+    }
     uint32_t left = steps;
     while ((left > 0U) && (self->phase != EMA_SQUARES_DONE)) {
         uint32_t spent = EMA_SQUARES_STEPS;

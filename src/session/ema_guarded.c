@@ -118,8 +118,8 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
     if (guarded == NULL) {
         return EMA_ERR_NULL;
     }
-    ema_status_t status = EMA_OK;
-    if ((guarded->phase == EMA_GUARDED_FEEDING) && (guarded->signatures != NULL)) {
+    ema_status_t status = (steps == 0U) ? EMA_ERR_RANGE : EMA_OK;
+    if ((status == EMA_OK) && (guarded->phase == EMA_GUARDED_FEEDING) && (guarded->signatures != NULL)) {
         status = ema_scoring_start(&guarded->session, guarded->signatures);
         guarded->phase = (status == EMA_OK) ? EMA_GUARDED_STARTING : EMA_GUARDED_FEEDING;
     }

@@ -162,7 +162,7 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
     if (session->config == NULL) {
         return EMA_ERR_ORDER;
     }
-    if (!ema_session_unchanged(session)) {
+    if ((steps == 0U) || !ema_session_unchanged(session)) {
         return EMA_ERR_RANGE;
     }
     ema_status_t status = EMA_OK;

@@ -148,7 +148,7 @@ static void try_session(fuzz_bytes_t* bytes, const ema_actuator_t* actuator, ema
             FUZZ_REQUIRE(session.record.count == count);
         }
     }
-    FUZZ_REQUIRE(ema_session_run(&session, fuzz_u16(bytes)) == EMA_ERR_SHORT);
+    FUZZ_REQUIRE(ema_session_run(&session, 1U + (uint32_t)fuzz_u16(bytes)) == EMA_ERR_SHORT);
     ema_result_t result;
     FUZZ_REQUIRE(ema_session_result(&session, &result) == EMA_ERR_ORDER);
 }

@@ -200,8 +200,10 @@ static bool wander(const rig_t* rig, fuzz_bytes_t* bytes, ema_result_t* result)
         case 2U:
         case 3U:
             if (ready) {
-                const ema_status_t status = ema_session_run(session, (uint32_t)much * (uint32_t)(1U + (what >> 4)));
-                FUZZ_REQUIRE((status == EMA_OK) || (ema_session_phase(session) == EMA_PHASE_FEEDING));
+                const uint32_t steps = (uint32_t)much * (uint32_t)(1U + (what >> 4));
+                const ema_status_t status = ema_session_run(session, steps);
+                FUZZ_REQUIRE((steps > 0U) ? (status == EMA_OK) || (ema_session_phase(session) == EMA_PHASE_FEEDING)
+                                          : status == EMA_ERR_RANGE);
             }
             break;
         case 4U: {

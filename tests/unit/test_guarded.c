@@ -258,6 +258,9 @@ static void rod_beyond_the_travel(void)
         for (uint32_t row = 0; row < EMA_ROWS_MIN; ++row) {
             EMA_ASSERT_STATUS(EMA_OK, ema_guarded_feed(&guarded, &sample));
         }
+        /* no steps are refused before anything is begun */
+        EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_run(&guarded, 0U));
+        TEST_ASSERT_EQUAL_INT(EMA_GUARDED_FEEDING, ema_guarded_phase(&guarded));
         EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_run(&guarded, 10U));
     }
 }
@@ -405,7 +408,7 @@ static void running_on_after_the_end_changes_nothing(void)
     run(&guarded, 1000U);
     (void)memcpy(&before, &guarded, sizeof before);
     EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 1000U));
-    EMA_ASSERT_STATUS(EMA_OK, ema_guarded_run(&guarded, 0U));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_guarded_run(&guarded, 0U));
     TEST_ASSERT_EQUAL_MEMORY(&before, &guarded, sizeof before);
     EMA_ASSERT_STATUS(EMA_OK, ema_guarded_result(&guarded, &result, NULL));
 }

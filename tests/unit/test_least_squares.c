@@ -235,7 +235,7 @@ static void test_slice_makes_no_more_steps_than_it_may(void)
     config.count = 2U;
     make_record(&worn, 500U, EMA_R(1.0));
     EMA_ASSERT_STATUS(EMA_OK, ema_least_squares_init(search, &config, &record));
-    EMA_ASSERT_STATUS(EMA_OK, ema_least_squares_run(search, 0U));
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_least_squares_run(search, 0U));
     TEST_ASSERT_EQUAL_INT(EMA_SQUARES_PREPARING, search->phase);
     /* three models, 160 each, and 20 steps */
     EMA_ASSERT_STATUS(EMA_OK, ema_least_squares_run(search, 500U));

@@ -450,7 +450,7 @@ static void test_start_is_the_command_when_the_rod_agrees_with_it(void)
     truth.shift_mm = EMA_R(5.0);
     truth.noise_mm = healthy.params.position_noise_mm;
     init_and_feed(&truth);
-    EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 0U));
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 1U));
     TEST_ASSERT_TRUE(ema_session_search_start_mm(&session) == EMA_R(5.0));
 }
 
@@ -487,15 +487,18 @@ static void test_result_is_the_same_bits_for_any_slices(void)
     }
 }
 
-static void test_slice_of_no_steps_makes_none(void)
+/* It would be asked for without end. */
+static void test_slice_of_no_steps_is_refused_and_changes_nothing(void)
 {
     const truth_t truth = short_truth(EMA_R(0.25), EMA_R(0.05));
     init_and_feed(&truth);
-    for (uint32_t k = 0; k < 3U; ++k) {
-        EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 0U));
-        TEST_ASSERT_EQUAL_UINT64(0U, session.model_steps);
-        TEST_ASSERT_EQUAL_INT(EMA_PHASE_SEARCHING, ema_session_phase(&session));
-    }
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_run(&session, 0U));
+    TEST_ASSERT_EQUAL_INT(EMA_PHASE_FEEDING, ema_session_phase(&session));
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 1U));
+    const uint64_t steps = session.model_steps;
+    EMA_ASSERT_STATUS(EMA_ERR_RANGE, ema_session_run(&session, 0U));
+    TEST_ASSERT_EQUAL_UINT64(steps, session.model_steps);
+    TEST_ASSERT_EQUAL_INT(EMA_PHASE_SEARCHING, ema_session_phase(&session));
 }
 
 static void test_giving_runs_up_changes_no_decision(void)
@@ -550,7 +553,7 @@ static void test_copy_at_any_moment_resumes_to_the_same_bits(void)
     const truth_t truth = short_truth(EMA_R(0.25), EMA_R(0.05));
     const ema_result_t whole = identify(&truth);
     /* in the first run, in the search, and in the runs after it */
-    const uint64_t moments[4] = {0U, 333U, whole.model_steps / 2U, whole.model_steps - 500U};
+    const uint64_t moments[4] = {1U, 333U, whole.model_steps / 2U, whole.model_steps - 500U};
     for (uint32_t k = 0; k < 4U; ++k) {
         init_and_feed(&truth);
         EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, (uint32_t)moments[k]));
@@ -1083,7 +1086,7 @@ int main(void)
     RUN_TEST(test_start_is_the_command_when_the_rod_agrees_with_it);
     RUN_TEST(test_start_is_the_rod_when_it_rests_elsewhere);
     RUN_TEST(test_result_is_the_same_bits_for_any_slices);
-    RUN_TEST(test_slice_of_no_steps_makes_none);
+    RUN_TEST(test_slice_of_no_steps_is_refused_and_changes_nothing);
     RUN_TEST(test_giving_runs_up_changes_no_decision);
     RUN_TEST(test_giving_runs_up_changes_no_step_of_the_path);
     RUN_TEST(test_copy_at_any_moment_resumes_to_the_same_bits);
