@@ -19,7 +19,7 @@ from ema_tools.library.registry import named
 from ema_tools.results.codec import to_json
 from ema_tools.select.balance_setting import Setting
 from ema_tools.select.force_balance import EFFECTS_MAX, improve_by_forces
-from ema_tools.select.force_judge import SIZE_IN_STD
+from ema_tools.select.force_judge import REPEATED_MOTION, SIZE_IN_STD
 from ema_tools.select.force_steps import ForceSteps
 from ema_tools.select.torque_patterns import pattern_of, patterns_of
 from ema_tools.words.answers.balance import forces_of
@@ -213,7 +213,7 @@ def test_emps_held_out_lap(emps: tuple[Actuator, Record, ForceSteps]) -> None:
     # The published variant with friction by direction comes to 3.11 %.
     assert found.steps[0].effect == "viscous_asymmetry"
     assert found.steps[0].errors.training < 3.11
-    assert {"viscous_asymmetry", "cogging_torque", "concave_viscous", "actuation_delay"} <= {step.effect for step in found.steps}
+    assert {"viscous_asymmetry", "concave_viscous", "actuation_delay"} <= {step.effect for step in found.steps}
     assert len(found.steps) <= EFFECTS_MAX
     for step in found.steps:
         size = next(name for name in step.values if name.startswith(f"{step.effect}."))
@@ -227,6 +227,10 @@ def test_emps_refuses_the_decoys(emps: tuple[Actuator, Record, ForceSteps]) -> N
     for decoy in ("stribeck_friction", "load_dependent_friction"):
         assert reasons[decoy]
         assert decoy not in found.actuator.active_effects
+    # four laps of one motion: a wave that comes back with them may be anything that does
+    for texture in ("cogging_torque", "torque_ripple", "pitch_ripple", "jam_spot"):
+        assert texture not in found.actuator.active_effects
+    assert REPEATED_MOTION in reasons["cogging_torque"]
     result = json.loads(json.dumps(to_json(forces_of(found)), allow_nan=False))
     assert [step["added"] for step in result["steps"]] == [step.effect for step in found.steps]
     assert result["error"]["floor_percent"] == found.floor_percent
@@ -243,5 +247,6 @@ def test_emps_is_better_in_the_balance_and_in_the_loop(emps: tuple[Actuator, Rec
         # the record begins in motion, the model at rest
         return float(np.linalg.norm((record.recorded(name) - getattr(simulated(model, record), name))[50:-50]))
 
-    assert error(found.actuator, "voltage_V") < 0.6 * error(actuator, "voltage_V")
-    assert error(found.actuator, "position_mm") < 0.6 * error(actuator, "position_mm")
+    # a tenth of it is a wave that one motion does not confirm
+    assert error(found.actuator, "voltage_V") < 0.65 * error(actuator, "voltage_V")
+    assert error(found.actuator, "position_mm") < 0.65 * error(actuator, "position_mm")

@@ -21,7 +21,7 @@ from ema_tools.select.balance_bench import Bench, Fitted, floor_of
 from ema_tools.select.balance_setting import LEVEL, VISCOUS
 from ema_tools.select.force_steps import Tried
 from ema_tools.select.foretold_drive import foretold_percent, reads_drive
-from ema_tools.select.torque_patterns import Pattern
+from ema_tools.select.torque_patterns import Pattern, is_texture
 
 SIZE_IN_STD = 3.0  # an effect must show a size of so many standard errors ... [chance]
 AGREED_STD = 2.0  # ... and of so many by which records differ, where it lowers the error by less than a fifth, ... [chance]
@@ -48,6 +48,11 @@ _FALLS = 0.1  # of what an effect adds to friction, by which all of it must fall
 _BOUND = 1e-6  # so near to an end of its range, relative, a value lies on it [precision]
 _ONCE_PER_TURN = 1.0  # periods per motor turn of what hangs on the motor itself; faster are magnets and teeth [physics]
 _MOST_FLOOR = 0.9  # of the error: a floor beyond it would make any gain look like all there is [judgement]
+# Of what is above the floor: a texture that only laps of one motion show must take off more than it leaves, which repeats as it does [judgement]
+_MOST = 0.5
+REPEATED_MOTION = (
+    "laps of one motion alone do not tell it from all else that is missing and comes back at the same places: record another motion"
+)
 _THIRD_WORDS = {"places": ("near", "middle", "far"), "speeds": ("low", "middle", "high")}
 
 # What else may be said against an effect, judged, beside accepted ones; empty where nothing is.
@@ -117,6 +122,8 @@ class Judge:
         share, least = self.share(accepted, tried.gain), self._least_share(accepted)
         if share < least:
             return f"it takes off {100.0 * share:.1f} % of what is above the floor, less than {100.0 * least:g} %"
+        if share < _MOST and self._repeats_alone(tried):
+            return f"{REPEATED_MOTION}: it takes off {100.0 * share:.0f} % of that"
         first = self.left_by_loads(accepted)
         if tried.gain < LEAST_OF_FIRST * first:
             whose = "the first model" if first == self.first else "the first model and the loads"
@@ -126,6 +133,19 @@ class Judge:
             return f"its size {fit.values[size]:.3g} is not told: standard error {whole:.2g} with its shape, which is fitted too"
         circle = self._in_a_circle(accepted, tried)
         return circle or (self.veto(accepted, tried) if self.veto is not None else "")
+
+    def _repeats_alone(self, tried: Tried) -> bool:
+        """Whether an effect is a texture along the way, and laps of one motion are all that shows it: whatever else is missing comes back at the same places there."""
+        division, setting = self.bench.division, tried.fit.samples.setting
+        if division.by != "lap" or division.apart:
+            return False
+        return any(
+            is_texture(setting, one.effect, one.shape)
+            # the weight of an arm swings likewise, but not on a screw
+            and (setting.actuator.has("screw.lead_mm") or not is_carried(one))
+            for one in tried.fit.patterns
+            if one.effect == tried.effect
+        )
 
     def _falls(self, change: Reals) -> bool:
         """Whether a fall of the squared error, of every sliding sample, is more than chance: in its mean, or in most stretches of time, since a single start of a motion may outweigh all else."""
