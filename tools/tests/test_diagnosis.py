@@ -357,7 +357,8 @@ def test_the_size_of_a_warm_winding_holds_its_interval(
     name = f"effects.{effect}.{size}"
     here = found.effects[0]
     # four standard errors: one of thousands of records lies further off
-    assert abs(here.values[name] - value) < 4.0 * here.std[name] < 0.3 * value
+    # a day's temperature moves the winding as well, by what baseline records leave open
+    assert abs(here.values[name] - value) < 4.0 * here.std[name] < 0.5 * value
 
 
 @needs_numba

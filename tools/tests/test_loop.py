@@ -148,8 +148,8 @@ def test_the_error_after_adding_is_the_error_of_the_new_file(tmp_path: Path) -> 
     assert run_ema("compare", new, story / "today.csv", "--json", after).code == 0
     first, told, last = (json.loads(file.read_text(encoding="utf-8"))["error"] for file in (before, added, after))
     assert last["after"] == told["after"] < 1.1 * last["floor"]
-    # with today's CSJ and BLK the error of the model without the effect is far above the noise
-    assert first["after"] > 5.0 * told["after"]
+    # with today's CSJ and BLK, and all that varies, the error of the model without the effect is far above the noise
+    assert first["after"] > 3.0 * told["after"]
     assert json.loads(after.read_text(encoding="utf-8"))["today"]["screw.blk_mm"] == pytest.approx(0.069, rel=0.01)
 
 

@@ -42,4 +42,4 @@ def test_the_notebook_tells_the_story() -> None:
     assert "missing is Stribeck friction (stribeck_friction; rise" in said
     assert said.rstrip().splitlines()[-1].startswith("Fault: CSJ +")
     (picture,) = [one for one in shown if isinstance(one, NotebookPicture)]
-    assert "+ stribeck_friction" in picture._repr_svg_()
+    assert "+ csj and blk and stribeck_friction" in picture._repr_svg_()

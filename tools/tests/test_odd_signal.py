@@ -75,7 +75,7 @@ def _sticks(run: Recording) -> Recording:
 
 
 def _saturates(run: Recording) -> Recording:
-    return replace(run, current_A=np.clip(run.current_A, -4.0, 4.0))
+    return replace(run, current_A=np.clip(run.current_A, -3.5, 3.5))
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ def test_an_error_of_one_sensor_is_suspected(
     change: Callable[[Record], Record], channel: str, factor: float, offset: float, late_ms: float
 ) -> None:
     found = suspected(change(run(9)))
-    assert found is not None and found.channel == channel and found.share > 0.95
+    assert found is not None and found.channel == channel and found.share > 0.9
     assert found.factor == pytest.approx(factor, abs=0.005)
     assert found.offset == pytest.approx(offset, abs=0.02)
     # the signal moves a little more than its slope says

@@ -428,8 +428,8 @@ def test_every_rung_is_loaded_with_the_error_that_the_ladder_says(name: str, of_
         state = bench.redrawn(before)
         # the prior of what scatters counts in the ladder, too; and the last is as the fit saw it
         assert state["error"] == pytest.approx(step["told_training"], rel=5e-3), step["added"]
-    # wear is not booked as scatter: what scatters takes off next to nothing here, though friction has risen by two fifths
-    assert found["steps"][1]["told_training"] > 0.9 * found["error"]["before"] > 4.0 * found["steps"][1]["error_training"]
+    # wear is not booked as scatter: what scatters takes off little here, though friction has risen by two fifths
+    assert found["steps"][1]["told_training"] > 0.7 * found["error"]["before"] > 3.0 * found["steps"][1]["error_training"]
     buttons.nth(0).click()
     bench.until(f"Math.abs(emaWorkbench.state().error - {found['error']['before']}) < 1e-4")
     assert bench.complaints == []
@@ -488,11 +488,17 @@ def test_an_effect_switched_on_with_its_values_gives_the_error_that_ema_add_repo
     # with what it was fitted beside: friction of the grease and the winding of the day
     values = found["steps"][-1]["values"]
     assert {name: values[name] for name in found["parameters"]} == {name: one["value"] for name, one in found["parameters"].items()}
+    sliders = {name: bench.page.locator(f"#bench-{name.replace('.', '-')}") for name in values}
+    # what a day's temperature makes of the magnets has none
+    assert {name for name, slider in sliders.items() if not slider.count()} <= {
+        "motor.torque_constant_Nm_per_A",
+        "motor.back_emf_V_s_per_rad",
+    }
     for name, value in values.items():
         before = bench.state()["redraws"]
-        bench.page.locator(f"#bench-{name.replace('.', '-')}").evaluate(
-            "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }", str(value)
-        )
+        if not sliders[name].count():
+            continue
+        sliders[name].evaluate("(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }", str(value))
         bench.redrawn(before)
     assert bench.state()["error"] == pytest.approx(found["error"]["after"], rel=5e-3)
     assert bench.state()["median_ms"] <= _REDRAW_MS

@@ -89,7 +89,9 @@ def simulate_side_by_side(
 
 def slope_step(one: Spread) -> float:
     """How far to take a spread for its slope, in its standard deviations."""
-    return _DERIVATIVE_STEP / one.std if one.relative else _DERIVATIVE_STEP_STD
+    if one.step:
+        return one.step
+    return _DERIVATIVE_STEP / (one.std * max(map(abs, one.shares), default=1.0)) if one.relative else _DERIVATIVE_STEP_STD
 
 
 def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
@@ -114,7 +116,8 @@ class Evidence:
     cost that sensor noise alone has. `counting`: with repeats, the cost that counts of the sensors may add on another way than theirs;
     `freedom`: with repeats, the degrees of freedom to which these and the usual tell how far `spread` scatters.
     `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
-    of 1 each, such as the zero of a sensor; `slight`: changes of the model `unit` that the last of them are, by effects that every machine has a little of.
+    of 1 each, such as the zero of a sensor; `slight`: changes of the model `unit` that the last of them are, by effects that every machine has a little of; `varies`: with repeats, what the
+    first of them stand for; `of_known`: the same evidence where only friction, grease and winding vary, for who takes the machine for known.
     """
 
     actuator: Actuator
@@ -132,6 +135,8 @@ class Evidence:
     freedom: float = math.inf
     slight: tuple[Mapping[str, float], ...] = ()
     unit: Actuator | None = None
+    varies: tuple[Spread, ...] = ()
+    of_known: Evidence | None = None
 
     @property
     def granted(self) -> tuple[str, ...]:
@@ -159,6 +164,19 @@ class Evidence:
         known = view(self, {})
         return [known.residual_of(target) for target in self.repeats]
 
+    def of_machine(self, actuator: Actuator, added: Reals) -> Evidence:
+        """The same of a machine that has changed since its baseline records, to which that adds `added` [channels, rows]."""
+        known = self.of_known.of_machine(actuator, added) if self.of_known is not None else None
+        return replace(self, actuator=actuator, repeats=tuple(repeat + added for repeat in self.repeats), of_known=known)
+
+    @cached_property
+    def fixed(self) -> _Fixed:
+        """`additive`, whitened, with what its deviations cost."""
+        vectors, count = [self.whiten(signals) for signals in self.additive], len(self.spread) + len(self.additive)
+        rows = (vectors[0].size if vectors else self.whiten(self.target).size) + count
+        columns = _tall_columns(vectors, len(self.spread), rows, count)
+        return _Fixed(columns, *orthonormal(columns))
+
     def without(self, channel: str) -> Evidence:
         """The same of the other signals."""
         kept = [place for place, name in enumerate(self.channels) if name != channel]
@@ -170,6 +188,7 @@ class Evidence:
             noise=self.noise[kept],
             additive=self.additive[:, kept],
             repeats=tuple(repeat[kept] for repeat in self.repeats),
+            of_known=self.of_known.without(channel) if self.of_known is not None else None,
         )
 
     @property
@@ -231,16 +250,40 @@ class Sensitivity:
 
 
 @dataclass(frozen=True)
-class _Directions:
-    """What scatters, per spread, as columns [n, k], and as an orthonormal `basis` [n, k] times `square` [k, k]."""
+class _Fixed:
+    """`Evidence.additive` as columns [n, a], and as an orthonormal `basis` [n, a] times `square` [a, a]: the same from wherever the evidence is seen."""
 
     columns: Reals
     basis: Reals
     square: Reals
 
+
+@dataclass(frozen=True)
+class _Directions:
+    """What scatters, per spread: as columns [n, k] those of `own` [n, spread] and then the `fixed` ones, and as an orthonormal basis, of the fixed ones and then of what `own` has beside them,
+    [n, spread], times `square` [k, k]."""
+
+    own: Reals
+    fixed: _Fixed
+    beside: Reals
+    square: Reals
+
     @staticmethod
-    def of(columns: Reals) -> _Directions:
-        return _Directions(columns, *orthonormal(columns))
+    def of(own: Reals, fixed: _Fixed) -> _Directions:
+        along = fixed.basis.T @ own
+        beside, square = orthonormal(np.asfortranarray(own - fixed.basis @ along))
+        none = np.zeros((len(square), len(fixed.square)))
+        return _Directions(own, fixed, beside, np.block([[along, fixed.square], [square, none]]))
+
+    @property
+    def columns(self) -> Reals:
+        """All together, [n, k]."""
+        return np.column_stack([self.own, self.fixed.columns])
+
+    @property
+    def blocks(self) -> tuple[Reals, ...]:
+        """The basis in parts that are orthogonal to each other."""
+        return (self.fixed.basis, self.beside)
 
 
 @dataclass(frozen=True)
@@ -268,8 +311,8 @@ class View:
     values: Mapping[str, float]
     residual: Reals
     _place: _Place = field(repr=False)
-    _basis: Reals = field(repr=False)
     _scatter: _Directions = field(repr=False)
+    _blocks: tuple[Reals, ...] = field(repr=False)
 
     @property
     def deviations(self) -> Reals:
@@ -303,7 +346,7 @@ class View:
         return np.concatenate([self.evidence.whiten(signals), np.zeros(self.deviations.size)])
 
     def _without(self, tall: Reals) -> Reals:
-        return np.asarray(tall - self._basis @ (self._basis.T @ tall))
+        return _without(self._blocks, tall)
 
     def moved(self, changes: Mapping[str, float]) -> Reals:
         """What `changes` beside the view's own values make of the model, [n], nothing taken off. Raises InputError when the model refuses them."""
@@ -330,11 +373,11 @@ class View:
 
     def shared(self, vector: Reals) -> Reals:
         """Parts of a vector [n] along the directions that are taken off, [k]."""
-        return np.asarray(self._basis.T @ vector)
+        return _along_each(self._blocks, vector)
 
     def overlap(self, other: View) -> Reals:
         """Products of the directions that are taken off here and there, [k, k of the other]."""
-        return np.asarray(self._basis.T @ other._basis)
+        return np.block([[np.eye(one.shape[1]) if one is its else one.T @ its for its in other._blocks] for one in self._blocks])
 
     def beside(self, vectors: Sequence[Reals]) -> View:
         """The same with further `vectors` [n] taken off: what may move freely besides, such as the values of effects that are fitted again with every new one."""
@@ -342,7 +385,7 @@ class View:
         if not kept:
             return self
         more, _ = np.linalg.qr(np.array(kept).T)
-        wider = replace(self, _basis=np.vstack([self._basis.T, more.T]).T)
+        wider = replace(self, _blocks=(*self._blocks, np.asfortranarray(more)))
         return replace(wider, residual=wider._without(self.residual))
 
     def signature(self, changes: Mapping[str, float]) -> Reals:
@@ -400,21 +443,21 @@ class View:
             try:
                 moved = self.evidence.simulate(self.values, own + apart) - self.evidence.simulate(self.values, own - apart)
             except InputError:
-                return self._scatter.columns[: self.residual.size - none.size, place]
+                return self._scatter.own[: self.residual.size - none.size, place]
             return self.evidence.whiten(moved) / (2.0 * step)
 
-        found = self._scatter.columns.copy()
+        found = self._scatter.columns
         for place, column in enumerate(each(of_spread, list(range(own.size)))):
             found[: column.size, place] = column
         return np.column_stack([*each(of_value, list(around)), found])
 
     def at(self, values: Mapping[str, float], deviations: Reals, scatter: Reals | None = None) -> View:
-        """The evidence seen from other values and deviations, what scatters moving it as the columns `scatter` [n, k] say, else as it does here: one run of the model.
+        """The evidence seen from other values and deviations, what of `spread` scatters moving it as the columns `scatter` [n, spread] say, else as it does here: one run of the model.
 
         Raises InputError when the model refuses.
         """
         there = _place(self.evidence, values, deviations)
-        return _along(self.evidence, values, there, self._scatter if scatter is None else _Directions.of(scatter))
+        return _along(self.evidence, values, there, self._scatter if scatter is None else _Directions.of(scatter, self.evidence.fixed))
 
     def linear_here(self) -> View:
         """The same with what scatters linear right here."""
@@ -430,7 +473,10 @@ class View:
             return self.deviations
         # bounded, not clipped: what one direction may not do, the others then do not answer
         step = lsq_linear(
-            self._scatter.square, self._scatter.basis.T @ tall, (-reach - self.deviations, reach - self.deviations), method="bvls"
+            self._scatter.square,
+            _along_each(self._scatter.blocks, tall),
+            (-reach - self.deviations, reach - self.deviations),
+            method="bvls",
         ).x
         return np.asarray(np.clip(self.deviations + step, -reach, reach))
 
@@ -459,19 +505,34 @@ def _seen(evidence: Evidence, values: Mapping[str, float], place: _Place) -> Vie
         return Step(values, near, step)
 
     moved = taken(evidence.whitened([toward(k) for k in range(own.size)], place.base, np.asarray))
-    columns = [*moved, *map(evidence.whiten, evidence.additive)]
-    rows = place.plain.size - place.at.size
-    directions = np.zeros((place.at.size, rows + place.at.size))
-    for k, column in enumerate(columns):
-        directions[k, :rows] = column
-        directions[k, rows + k] = -1.0
-    return _along(evidence, values, place, _Directions.of(directions.T))
+    return _along(evidence, values, place, _Directions.of(_tall_columns(moved, 0, place.plain.size, place.at.size), evidence.fixed))
+
+
+def _tall_columns(vectors: Sequence[Reals], first: int, rows: int, count: int) -> Reals:
+    """Vectors with what their own deviations cost, of which there are `count` and theirs begin at `first`, as columns [rows, vectors]."""
+    found = np.zeros((len(vectors), rows))
+    for k, vector in enumerate(vectors):
+        found[k, : rows - count] = vector
+        found[k, rows - count + first + k] = -1.0
+    return found.T
 
 
 def _along(evidence: Evidence, values: Mapping[str, float], place: _Place, scatter: _Directions) -> View:
     """The evidence at a place where what scatters moves it as it does somewhere near."""
-    residual = place.plain - scatter.basis @ (scatter.basis.T @ place.plain)
-    return View(evidence, values, residual, place, scatter.basis, scatter)
+    return View(evidence, values, _without(scatter.blocks, place.plain), place, scatter, scatter.blocks)
+
+
+def _along_each(blocks: Sequence[Reals], vector: Reals) -> Reals:
+    """Parts of a vector [n] along an orthonormal basis of several blocks [n, k each], [k in all]."""
+    return np.concatenate([block.T @ vector for block in blocks])
+
+
+def _without(blocks: Sequence[Reals], vector: Reals) -> Reals:
+    """A vector [n] without its parts along an orthonormal basis of several blocks [n, k each]."""
+    left = vector
+    for block in blocks:
+        left = left - block @ (block.T @ left)
+    return left
 
 
 def view(evidence: Evidence, values: Mapping[str, float], deviations: Reals | None = None) -> View:

@@ -16,6 +16,43 @@ from ema_tools.library.registry import record_of, records
 # Usual scatter of one machine from run to run, relative: dry friction, grease, winding; [scatter] of an actuator's file states its own in their place [physics]
 FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
 
+# What varies besides, by a little that the signals follow evenly, relative [judgement]
+BESIDES: Mapping[tuple[str, ...], float] = {
+    ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.001,
+    ("drive.supply_V",): 0.002,
+    ("screw.inertia_kgm2",): 0.001,
+    ("motor.inductance_H",): 0.005,
+    ("control.kp_per_m",): 0.0005,
+}
+# The same of what a data sheet gives as zero, in its own unit [judgement]
+BESIDES_IN_UNIT: Mapping[str, float] = {
+    "screw.friction_asymmetry": 0.0005,
+    "screw.load_torque_Nm": 1e-4,
+    "encoder.rod_gain_error": 5e-5,
+    "encoder.rod_offset_mm": 2e-4,
+}
+# The standing effects of the machine vary by this share of their size [judgement]
+STANDING_VARIES = 0.05
+# What every machine has a little of and its model does not hold varies by this share of what counts as slight [judgement]
+SLIGHT_VARIES = 0.1
+# A day of another temperature moves these together: one standard deviation in degC [judgement]
+DAY_DEGC = 5.0
+# What a degree makes of each, relative: copper, grease, and magnets between those that hardly care (samarium-cobalt) and ferrite (R. Krishnan, Permanent Magnet Synchronous and Brushless DC
+# Motor Drives, 2010, ch. 1) [physics]
+PER_DEGC: Mapping[str, float] = {
+    "motor.resistance_ohm": 0.00393,
+    "screw.viscous_Nm_s_per_rad": -0.028,
+    "motor.torque_constant_Nm_per_A": -0.001,
+    "motor.back_emf_V_s_per_rad": -0.001,
+}
+TEMPERATURE = "temperature"  # what moves them
+# By how much these differ from machine to machine, one standard deviation: greases and magnets differ, and of dry friction not even the sign is known [physics]
+PER_DEGC_DIFFERS: Mapping[str, float] = {
+    "screw.csj_Nm": 0.005,
+    "screw.viscous_Nm_s_per_rad": 0.012,
+    "motor.torque_constant_Nm_per_A": 0.0007,
+}
+
 # Of these what the onboard search finds beside CSJ and BLK where it is told to search values of the day [physics]
 DAY = ("screw.viscous_Nm_s_per_rad", "motor.resistance_ohm")
 
@@ -64,43 +101,46 @@ GAIN_SHARE: Mapping[str, float] = {"current_A": 0.005}
 
 @dataclass(frozen=True)
 class Spread:
-    """Values that move together, by `std` (1 standard deviation): relative to each value, or absolute where it is zero on the data sheet."""
+    """Values that move together, by `std` (1 standard deviation): relative to each value, or absolute where it is zero on the data sheet. `shares`: how far each moves of that, all alike
+    unless told; `cause`: what moves them, where it is no value itself; `step`: over how many standard deviations its slope is taken, where the usual step would not show."""
 
     names: tuple[str, ...]
     std: float
     relative: bool
+    shares: tuple[float, ...] = ()
+    cause: str = ""
+    step: float = 0.0
 
     @property
     def title(self) -> str:
-        """The value that stands for all."""
-        return self.names[0]
+        """The value that stands for all, or what moves them."""
+        return self.cause or self.names[0]
 
     def moves(self, actuator: Actuator) -> bool:
         """Whether it moves anything: a share of zero does not."""
-        return not self.relative or actuator[self.title] > 0.0
+        return not self.relative or actuator[self.names[0]] > 0.0
 
     def in_unit(self, actuator: Actuator) -> float:
         """One standard deviation of the first value, in its unit."""
         return self.std * abs(actuator[self.title]) if self.relative else self.std
 
-    def changes(self, actuator: Actuator, deviations: float) -> dict[str, float]:
-        """The values at so many standard deviations from the actuator's own, held inside their ranges."""
+    def changes(self, actuator: Actuator, deviations: float, moved: Mapping[str, float] | None = None) -> dict[str, float]:
+        """The values at so many standard deviations from the actuator's own, or from those that something else has `moved` already, held inside their ranges."""
         found = {}
-        for name in self.names:
+        for name, share in zip(self.names, self.shares or (1.0,) * len(self.names), strict=True):
             row = row_of(name)
-            known = actuator[row.name]
-            value = known * (1.0 + self.std * deviations) if self.relative else known + self.std * deviations
+            known = (moved or {}).get(name, actuator[row.name])
+            value = known * (1.0 + share * self.std * deviations) if self.relative else known + share * self.std * deviations
             found[name] = min(max(value, row.lower), row.upper)
         return found
 
 
 def moved(actuator: Actuator, spread: Sequence[Spread], deviations: Sequence[float] | Reals) -> dict[str, float]:
-    """The values of all of `spread` at their `deviations`; what else is free stands behind those and is left out."""
-    return {
-        name: value
-        for one, at in zip(spread, deviations[: len(spread)], strict=True)
-        for name, value in one.changes(actuator, float(at)).items()
-    }
+    """The values of all of `spread` at their `deviations`, one after the other; what else is free stands behind those and is left out."""
+    found: dict[str, float] = {}
+    for one, at in zip(spread, deviations[: len(spread)], strict=True):
+        found |= one.changes(actuator, float(at), found)
+    return found
 
 
 def share_from_run_to_run(actuator: Actuator, name: str) -> float:
@@ -118,6 +158,26 @@ def from_run_to_run(actuator: Actuator) -> tuple[Spread, ...]:
     """What scatters between runs: as the actuator states, and by the usual figure of what it does not state."""
     std = {**FROM_RUN_TO_RUN, **actuator.scatter}
     return tuple(Spread((name,), value, scatters_by_share(row_of(name))) for name, value in std.items() if value > 0.0)
+
+
+def besides(actuator: Actuator) -> tuple[Spread, ...]:
+    """What varies between runs beside `from_run_to_run`, of what the actuator has and states nothing of: the temperature first, then parameters, and the sizes of effects."""
+    active = actuator.active_effects
+    standing = [Spread((effect.size.name,), STANDING_VARIES, True) for effect in load_definitions().physical if effect.name in active]
+    shares = [*(Spread(names, std, True) for names, std in BESIDES.items()), *standing]
+    sizes = {effect.size.name: record_of(effect.name).varies for effect in load_definitions().physical}
+    in_unit = [
+        Spread((name,), std, False) for name, std in {**BESIDES_IN_UNIT, **sizes}.items() if std > 0.0 and name.split(".")[0] not in active
+    ]
+    in_unit += [
+        Spread((effect.size.name,), SLIGHT_VARIES * record.slight.usual(actuator["screw.csj_Nm"]), False, step=1.0 / SLIGHT_VARIES)
+        for effect in load_definitions().physical
+        for record in (record_of(effect.name),)
+        if record.slight is not None and not record.is_shaped and effect.name not in active
+    ]
+    every = [*(one for one in shares if actuator[one.title] != 0.0), *in_unit]
+    warmer = Spread(tuple(PER_DEGC), DAY_DEGC, True, tuple(PER_DEGC.values()), TEMPERATURE)
+    return (warmer, *(one for one in every if not set(one.names) & set(actuator.scatter)))
 
 
 def from_day_to_day(actuator: Actuator) -> tuple[Spread, ...]:

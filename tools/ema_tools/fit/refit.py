@@ -101,7 +101,8 @@ def _least_std(evidence: Evidence, name: str) -> float:
     confounded = record_of(effect_of(name)).confounded if is_size(name) else None
     if confounded is None or not evidence.relative:
         return 0.0
-    return max((abs(confounded.size_per_change) * one.std for one in evidence.spread if one.title == confounded.parameter), default=0.0)
+    vary = (*evidence.spread, *evidence.varies)
+    return max((abs(confounded.size_per_change) * one.std for one in vary if one.title == confounded.parameter), default=0.0)
 
 
 def _scale_of(name: str, first: float) -> float:
@@ -225,7 +226,8 @@ def joint(fit: Fit, rounds: int = _JOINT_ROUNDS) -> Fit:
         before = here.view.plain_cost
         if before - float(np.sum((seen.plain - columns @ step) ** 2)) < _JOINT_DONE:
             break
-        moves = (_joint_move(here, step, columns[:, len(rows) :], rows, exact) for exact in (False, True))
+        own = columns[:, len(rows) : len(rows) + len(seen.evidence.spread)]
+        moves = (_joint_move(here, step, own, rows, exact) for exact in (False, True))
         # the cheap move first: where it comes to nothing, the way may bend
         there = next((move for move in moves if move is not None and before - move.view.plain_cost >= _JOINT_DONE), None)
         if there is None:
@@ -251,7 +253,7 @@ def _around(name: str, value: float, row: Row) -> list[tuple[float, float]]:
 
 
 def _joint_move(fit: Fit, step: Reals, scatter: Reals, rows: Mapping[str, Row], exact: bool) -> Fit | None:
-    """The fit after a share of a step that lowers its cost, what scatters moving it there as the columns `scatter` say, or, `exact`, as it does there; None when none does."""
+    """The fit after a share of a step that lowers its cost, what of `spread` scatters moving it there as the columns `scatter` say, or, `exact`, as it does there; None when none does."""
     seen = fit.view
     for share in _JOINT_SHARES:
         values = dict(fit.values)

@@ -95,6 +95,8 @@ class EffectRecord:
     slight: Slight | None = None
     # Size that a known machine may have of it today with nobody the wiser, one standard deviation; none: only what is named.
     today: float = 0.0
+    # The same between the runs of a machine that is known by its baseline records.
+    varies: float = 0.0
     # Shapes that are as good as independent of each other: among so many the best one explains some noise.
     independent_shapes: int = 1
     # Values of shape that are tried where no torque suggests them; none: they stay as they are.
@@ -128,6 +130,12 @@ class EffectRecord:
     separated_by: tuple[Measurement, ...] = ()
     onboard: Onboard = Onboard()
     learned: LearnedKind | None = None
+
+    @property
+    def is_shaped(self) -> bool:
+        """Whether a little of it hangs on more than its size: on an angle, a place or a shape that differs from machine to machine."""
+        more = self.slight is not None and any(len(values) > 1 for values in self.slight.free)
+        return more or self.periodic is not None or (self.local is not None and bool(self.local.spot))
 
 
 # Of an effect of the user's own.

@@ -27,7 +27,8 @@ class WeighedEntry:
     zeros: dict[str, float] = field(default_factory=dict)  # standard deviation of each sensor's zero, in its unit
     gains: dict[str, float] = field(default_factory=dict)  # standard deviation of each sensor's gain, relative
     unit: dict[str, float] = field(default_factory=dict)  # values of the model that `gains` and `slight` change
-    slight: tuple[dict[str, float], ...] = ()  # one standard deviation of effects that every machine has a little of
+    slight: tuple[dict[str, float], ...] = ()  # what varies, and effects that every machine has a little of ...
+    sizes: tuple[float, ...] = ()  # ... each by so many standard deviations
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,6 +26,7 @@ from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, measured_channels,
 from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.whitening import Whitener, counted, least_noise, lines_of, smoothed, spectrum
 from ema_tools.plant.native import CHANNELS
+from ema_tools.select.run_to_run import days_of, freed, without_days
 from ema_tools.select.search import standing_effects
 
 _USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it [judgement]
@@ -47,7 +48,7 @@ def same_command(record: Record, other: Record) -> bool:
 _ODD, _ODD_OF_THREE = 8.0, 24.0
 
 
-def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
+def _check_repeats(actuator: Actuator, record: Record, healthy: Sequence[Record]) -> None:
     for other in healthy:
         if not same_command(record, other):
             raise InputError(f"{other.file}: command_mm: not the command of {record.file}: give healthy records of the same command")
@@ -55,24 +56,31 @@ def _check_repeats(record: Record, healthy: Sequence[Record]) -> None:
         raise InputError(
             f"{healthy[0].file}: one healthy record tells nothing of repeatability: record another under the same command and give both, or none"
         )
-    check_none_odd(healthy)
+    check_none_odd(actuator, healthy)
 
 
-def check_none_odd(healthy: Sequence[Record]) -> None:
-    """Raises InputError, naming the file, where one of several records of one command lies far from all others."""
-    apart = _apart(healthy)
+def check_none_odd(actuator: Actuator, healthy: Sequence[Record]) -> None:
+    """Raises InputError, naming the file, where one of several records of one command lies far from all others, whatever the days of the machine `actuator` may have been."""
+    channels = common_channels(healthy)
+    runs = np.array([measured_channels(one, channels) for one in healthy])
+    beyond = runs - np.median(runs, axis=0)
+    most = _ODD if len(healthy) > 3 else _ODD_OF_THREE
+    apart = _far_of(beyond)
+    if np.max(apart) > most:
+        noise = np.maximum([white_noise(signal) for signal in runs[0]], least_noise(runs[0]))
+        days = days_of(actuator, healthy[0], channels, start_of(actuator, healthy[0]))
+        apart = _far_of(np.array([without_days(one, days, noise) for one in beyond]))
     odd = int(np.argmax(apart))
-    if apart[odd] > (_ODD if len(healthy) > 3 else _ODD_OF_THREE):
+    if apart[odd] > most:
         raise InputError(
             f"{healthy[odd].file}: {apart[odd]:.3g} times as far from the healthy records' median as the others are: leave it out, or diagnose it by itself"
         )
 
 
-def _apart(healthy: Sequence[Record]) -> Reals:
-    """How far each healthy record lies from the median of them all, [records], as a multiple of the usual distance, in the signal where that is most; two records are alike far."""
-    channels = common_channels(healthy)
-    runs = np.array([measured_channels(one, channels) for one in healthy])
-    far = np.sqrt(np.mean((runs - np.median(runs, axis=0)) ** 2, axis=2))
+def _far_of(beyond: Reals) -> Reals:
+    """How far each record lies from the others, [records], as a multiple of the usual distance, in the signal where that is most, by what it differs from all [records, channels, rows]; two
+    records are alike far."""
+    far = np.sqrt(np.mean(beyond**2, axis=2))
     usual = np.median(far, axis=0)
     return np.asarray(np.max(np.divide(far, usual, out=np.ones_like(far), where=usual > 0.0), axis=1))
 
@@ -256,7 +264,7 @@ def _against_own(actuator: Actuator, record: Record, healthy: Sequence[Record], 
     # a baseline record with the effects that came later
     with_effects = simulate_channels(actuator, record, channels, evidence.start_mm)
     added = with_effects - simulate_channels(before, record, channels, evidence.start_mm)
-    return replace(evidence, actuator=actuator, repeats=tuple(repeat + added for repeat in evidence.repeats))
+    return evidence.of_machine(actuator, added)
 
 
 def gather(
@@ -268,10 +276,10 @@ def gather(
     """
     names = tuple(channels) if channels else common_channels([record, *healthy])
     if healthy:
-        _check_repeats(record, healthy)
+        _check_repeats(actuator, record, healthy)
         if actuator.baseline is not None and actuator.baseline.before is not None and actuator.baseline.covers(healthy):
-            return _against_own(actuator, record, healthy, names)
-        return _against_repeats(actuator, record, healthy, names, report)
+            return freed(_against_own(actuator, record, healthy, names))
+        return freed(_against_repeats(actuator, record, healthy, names, report))
     return _of_data_sheet(actuator, record, names, ())
 
 

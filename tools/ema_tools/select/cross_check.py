@@ -110,8 +110,8 @@ def cross_check(
         return said("unknown", skipped=why_not)
     verdict, best, alike = named(known, base)
     if verdict == "unknown" or best is None:
-        return said("unknown") if repeats == 0 else _by_search(said, known, searched(beside.unit), actuator)
-    sensor = suspect(beside.unit) if repeats > 0 else None
+        return said("unknown") if repeats == 0 else _by_search(said, known, searched(known.evidence if repeats else beside.unit), actuator)
+    sensor = suspect(known.evidence) if repeats > 0 else None
     if sensor is not None and sensor.cost < best.cost - LEAST_LIMIT:
         return said("unknown", _Said(sensor=sensor))
     # what the effect leaves beyond noise says that the machine is not as its file says

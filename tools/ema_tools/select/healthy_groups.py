@@ -21,6 +21,7 @@ from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.whitening import counted, least_noise, spectrum
 from ema_tools.select.known_machine import Compared, KnownMachine, MachineFit
+from ema_tools.select.run_to_run import days_of, without_days
 from ema_tools.select.two_groups import FRICTION_OF_DAYS, two_groups
 
 # How far values of one machine may lie apart on two days, relative: beyond, one record is of another state. Grease may do anything [judgement]
@@ -48,7 +49,18 @@ def two_states(beside: Compared, bases: Sequence[MachineFit]) -> Apart | None:
             found = two_groups(np.abs(values[:, None] - values[None, :]), usual)
             if found is not None:
                 return Apart(found[0], name, found[1])
-    left = np.array(each(lambda one: _left(*one), list(zip(beside.known_repeats, bases, strict=True))))
+    pairs = list(zip(beside.known_repeats, bases, strict=True))
+    apart = _apart_in_signals(beside, np.array(each(lambda one: _left(*one), pairs)))
+    if apart is None or not beside.unit.varies:
+        return apart
+    # days differ in more than what is free in a machine that is taken for known
+    unit = beside.unit
+    days = days_of(unit.actuator, unit.record, unit.channels, unit.start_mm)
+    return _apart_in_signals(beside, np.array(each(lambda one: _left(*one, days), pairs)))
+
+
+def _apart_in_signals(beside: Compared, left: Reals) -> Apart | None:
+    """Two groups of what is `left` of each repeat, [repeats, signals, rows]; None where they are one."""
     for place, signal in enumerate(beside.signals):
         if signal in _NOT_SENSED:
             continue
@@ -92,8 +104,8 @@ def _said(beside: Compared, groups: Apart) -> str:
     )
 
 
-def _left(machine: KnownMachine, base: MachineFit) -> Reals:
-    """What the known machine leaves of a repeat, in the noise of each signal, [signals, rows]."""
+def _left(machine: KnownMachine, base: MachineFit, days: Reals | None = None) -> Reals:
+    """What the known machine leaves of a repeat, in the noise of each signal, [signals, rows]; without what `days` [k, signals, rows] make of it."""
     target = machine.evidence.target
     # of a signal in coarse counts most differences are none: then their rms tells
     rough = [float(np.std(np.diff(signal, 4))) / math.sqrt(70.0) for signal in target]
@@ -101,7 +113,7 @@ def _left(machine: KnownMachine, base: MachineFit) -> Reals:
     noise = np.maximum(
         np.maximum([white_noise(signal) for signal in target], rough), np.maximum(least_noise(target), _coloured(machine, left))
     )
-    return np.asarray(left / noise[:, None])
+    return np.asarray((left if days is None else without_days(left, days, noise)) / noise[:, None])
 
 
 def _coloured(machine: KnownMachine, left: Reals) -> Reals:

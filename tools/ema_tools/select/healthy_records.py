@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ema_tools.base.errors import InputError
+from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import AnyRecord, same_samples
 from ema_tools.data.records import Record
 from ema_tools.plant.native import CHANNELS
@@ -17,7 +18,7 @@ _MOTION = ("position_mm", "motor_position_mm")
 _ENOUGH = 3  # of two runs that lie apart nobody knows which is the odd one [chance]
 
 
-def check_alike(records: Sequence[Record]) -> None:
+def check_alike(actuator: Actuator, records: Sequence[Record]) -> None:
     """Raises InputError, naming the file, among runs of one command for one with a signal of another size than the others', or far from them all."""
     left = list(records)
     while left:
@@ -26,7 +27,7 @@ def check_alike(records: Sequence[Record]) -> None:
         left = [one for one, is_same in zip(left, same, strict=True) if not is_same]
         _check_sizes(runs)
         if len(runs) >= _ENOUGH:
-            check_none_odd(runs)
+            check_none_odd(actuator, runs)
 
 
 def _check_sizes(runs: Sequence[Record]) -> None:

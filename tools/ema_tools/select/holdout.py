@@ -20,6 +20,7 @@ from ema_tools.fit.refit import Fit
 from ema_tools.results.parts import EXPLAINED
 from ema_tools.select.baseline import against_known, alone_against_known
 from ema_tools.select.outcome import Diagnosis
+from ema_tools.select.run_to_run import freed, varying_as
 
 _SETTLE_ROUNDS = 3  # of linear steps to where what scatters is best on the record held out [effort]
 # An effect that a command hardly excites leaves the error of its record as it is; noise moves a weighted rms by half a percent [chance]
@@ -94,8 +95,8 @@ def fitted_machine(evidence: Evidence, fit: Fit | None) -> Actuator:
 def held_out(evidence: Evidence, known: Actuator, record: Record, healthy: Sequence[Record]) -> Evidence:
     """Evidence of a record of another command about the machine `known`; against its own healthy repeats where there are two or more."""
     if len(healthy) > 1:
-        return against_known(known, record, healthy, evidence.channels)
-    return alone_against_known(evidence, known, record)
+        return freed(against_known(known, record, healthy, evidence.channels))
+    return varying_as(alone_against_known(evidence, known, record), evidence)
 
 
 def walk(

@@ -69,7 +69,7 @@ class KnownMachine:
     """A record of a machine that is known but for CSJ and BLK: whitened residuals of the model with any values, what sensors and every machine's slight effects add taken off."""
 
     def __init__(self, evidence: Evidence) -> None:
-        self.evidence = evidence
+        self.evidence = evidence = evidence.of_known or evidence
         self.actuator = evidence.actuator
         self.faults = tuple(name for name in FAULTS.values() if self.actuator[name] > 0.0)
         shown = {one.title: one for one in evidence.spread} if evidence.relative else {}

@@ -45,7 +45,7 @@ class Named:
 class Diagnosis:
     """What was found; `fit` None when nothing exceeds the limit. `unexplained`: share of the excess over the floor that is left.
 
-    `steps`: the fits that were accepted one after the other, costs falling.
+    `steps`: the fits that were accepted one after the other, costs falling; `doubt`: cost that the form of what was found may leave.
     """
 
     verdict: str
@@ -58,6 +58,7 @@ class Diagnosis:
     cost_floor: float
     unexplained: float
     limit: float
+    doubt: float = 0.0
 
     def refuted(self, effects: Collection[str]) -> Diagnosis:
         """The same after `effects` of the answer were refuted, by a record held out or by a size that could be none: they are not accepted, and where nothing else is, what is there is unknown."""

@@ -9,7 +9,7 @@ from functools import partial
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.fit.evidence import Evidence, View, settled
-from ema_tools.fit.refit import Fit, best_of_each, joined, refit, seen_from, slopes, without_effect
+from ema_tools.fit.refit import POLISHED, Fit, best_of_each, joined, polished, refit, seen_from, slopes, without_effect
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
@@ -199,10 +199,16 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
                 limits[effect] = chance
         rounds.append(Round(scores, fits, limits))
         shown = [(fit, limits.get(effect, least)) for fit in fits if fit.shown(effect := _newest(fit, held)) >= _SHOWN]
+        if rounds[1:]:
+            shown = [(fit, max(must, strategy.least_beside(cost, fit.cost))) for fit, must in shown]
         enough = [(fit, must) for fit, must in shown if cost - fit.judged >= must]
         if not enough:
             break
-        best = _pruned(*enough[0])
+        fit, must = enough[0]
+        best = _pruned(fit, strategy.least_kept(must, fit.cost))
+        if any(set(best.effects) == set(step.effects) for step in steps):
+            # what the new one takes the place of would come again in its place
+            break
         steps.append(best)
         here = seen_from(best)
         cost = best.cost
@@ -216,12 +222,28 @@ def standing_effects(evidence: Evidence, report: Report | None = None) -> Fit | 
     return path.steps[-1] if path.steps else None
 
 
+def _ended(strategy: Strategy, tell: Report) -> Path:
+    path = _grown(strategy, strategy.limits.effects, tell)
+    return strategy.ended(path, lambda begun, effects_max: _grown(strategy, effects_max, tell, begun))
+
+
+def _as_known(path: Path, strategy: Strategy, evidence: Evidence, only: Collection[str] | None) -> Path:
+    """The path, or where what varies goes farther than it does the effects that are found where the machine is taken for known, if they explain more beside all that varies: a large change is
+    first taken up by what varies, and the effects are then sought in what that leaves."""
+    if evidence.of_known is None or not path.steps or not strategy.is_strained(path.steps[-1]):
+        return path
+    other = _ended(strategy_for(evidence.of_known, only), untold)
+    if not other.steps:
+        return path
+    fit = polished(refit(strategy.start, other.steps[-1].values), POLISHED)
+    return begun_with(fit, path) if fit.judged < path.steps[-1].judged - 1.0 else path
+
+
 def diagnose(evidence: Evidence, report: Report | None = None, only: Collection[str] | None = None) -> Diagnosis:
     """The whole search on one record's evidence, among all effects and faults or `only` these; `report` is told the share done and what is at work."""
     strategy = strategy_for(evidence, only)
     tell = report or untold
-    path = _grown(strategy, strategy.limits.effects, tell)
-    path = strategy.ended(path, lambda begun, effects_max: _grown(strategy, effects_max, tell, begun))
+    path = _as_known(_ended(strategy, tell), strategy, evidence, only)
     path = _in_special_cases(path, strategy) if only is None else path
     alone = _alone(path, strategy) if path.steps and _is_far(path.steps[-1].cost, strategy) else None
     # what its own form leaves of it is no second effect
@@ -234,8 +256,11 @@ def diagnose(evidence: Evidence, report: Report | None = None, only: Collection[
     strange = cost - floor > max(strategy.noise, 2.0 * doubt)
     far = _is_far(cost, strategy) and alone is None
     verdict = "unknown" if strange and far else "missing" if best is not None else "adequate"
-    named = _named(path.rounds, best, steps, verdict, doubt, before, strategy.limit)
-    found = Diagnosis(verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, strategy.limit)
+    # what a rival leaves more is its own form's error only where the answer's form errs, too
+    named = _named(path.rounds, best, steps, verdict, min(doubt, max(cost - floor, 0.0)), before, strategy.limit)
+    found = Diagnosis(
+        verdict, best, named, path.rounds, steps, before, cost, floor, unexplained, strategy.limit, _MODEL_ERROR**2 * strategy.excess
+    )
     vague = strategy.vague(best) if best is not None and verdict == "missing" else []
     return found.refuted(vague) if vague else found
 
@@ -260,7 +285,9 @@ def _alone(path: Path, strategy: Strategy) -> Fit | None:
     rivals = [fit.judged - strategy.floor for fit in tried if not any(_one_physics(first.effects[0], other) for other in fit.effects)]
     if any(rival <= min(_NEAR * left, _NOTHING * excess) for rival in rivals):
         return None
-    return first if left < (_OF_A_FAULT if first.effects[0] in FAULTS else _OF_ITS_FORM) * excess else None
+    # of all that changed, what varies by itself has taken a part
+    changed = max(excess, strategy.beyond)
+    return first if left < (_OF_A_FAULT if first.effects[0] in FAULTS else _OF_ITS_FORM) * changed else None
 
 
 def _one_physics(effect: str, other: str) -> bool:

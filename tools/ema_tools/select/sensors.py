@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,7 +36,21 @@ class Suspect:
 
 
 def suspect(evidence: Evidence) -> Suspect | None:
-    """The sensor whose error explains what the model leaves; None where none does, or where there are no other signals to hold it against."""
+    """The sensor whose error explains most of what the model leaves; None where none does, or where there are no other signals to hold it against."""
+    # what varies from run to run would take a part of it
+    return _most_telling(evidence.of_known or evidence, LEAST_SHARE)
+
+
+def likelier_sensor(evidence: Evidence, cost: float) -> Suspect | None:
+    """The sensor whose error leaves less of a record than `cost`, beside all that varies; None where none does."""
+    found = _most_telling(evidence, 0.0)
+    if found is None or found.cost >= cost:
+        return None
+    sized = _most_telling(evidence.of_known or evidence, 0.0)
+    return replace(sized, share=found.share, cost=found.cost) if sized is not None and sized.channel == found.channel else found
+
+
+def _most_telling(evidence: Evidence, least: float) -> Suspect | None:
     if len(evidence.channels) < 2:
         return None
     here = settled(evidence, {})
@@ -55,7 +69,7 @@ def suspect(evidence: Evidence) -> Suspect | None:
         tall = np.column_stack(columns)
         sizes, *_ = np.linalg.lstsq(tall, here.residual, rcond=None)
         share = float(here.residual @ (tall @ sizes)) / excess
-        if share < LEAST_SHARE or (best is not None and share <= best.share):
+        if share < least or (best is not None and share <= best.share):
             continue
         told = [float(np.sum((column * size) ** 2)) > _TOLD_SHARE * excess for column, size in zip(columns, sizes, strict=True)]
         offset, gain, late_s = (float(size) if tell else 0.0 for size, tell in zip(sizes, told, strict=True))

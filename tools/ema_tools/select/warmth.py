@@ -14,7 +14,6 @@ import numpy as np
 
 from ema_tools.data.actuator import Actuator
 from ema_tools.fit.evidence import Evidence
-from ema_tools.fit.nuisance import Spread
 from ema_tools.fit.temperature import COPPER_PER_DEGC, GREASE_PER_DEGC
 from ema_tools.select.known_machine import LAST_STEPS, KnownMachine, MachineFit
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
@@ -51,15 +50,6 @@ def without_magnets(known: KnownMachine, base: MachineFit) -> tuple[Evidence, Ma
     return replace(known.evidence, target=known.evidence.target - by_magnets), today
 
 
-def with_magnets_free(known: KnownMachine, base: MachineFit) -> tuple[Evidence, MagnetsToday] | None:
-    """The same with the magnets free by as much as was read of them, so that they fall back beside an effect that had bent it."""
-    found = _of_magnets(known, base)
-    if found is None:
-        return None
-    today, _ = found
-    return replace(known.evidence, spread=(*known.evidence.spread, Spread(_OF_MAGNETS, abs(today.loss), True))), today
-
-
 def _of_magnets(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineFit] | None:
     evidence = known.evidence
     if not evidence.relative or len(evidence.channels) < 2 or not known.actuator.has(_OF_MAGNETS[0]) or _WINDING not in known.scatter:
@@ -67,28 +57,6 @@ def _of_magnets(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, Ma
     if known.plain(base) or not _is_of_a_day(known, base):
         return None
     return _read(known, base)
-
-
-@dataclass(frozen=True)
-class GreaseToday:
-    """How much warmer the winding is than on the healthy runs, and by what share the grease is stiffer: below none where it is thinner."""
-
-    warmer_degC: float
-    change: float
-
-
-def following(known: KnownMachine, base: MachineFit) -> tuple[Evidence, GreaseToday] | None:
-    """A record beside healthy runs with winding and grease as free as today's temperature moves them where both tell of one, and how far that is; None where they do not."""
-    evidence = known.evidence
-    if not evidence.relative or not {_WINDING, _GREASE} <= known.scatter.keys():
-        return None
-    moved = {name: base.values[name] / known.actuator[name] - 1.0 for name in (_WINDING, _GREASE)}
-    warmer = _warmer_degC(known, base)
-    by_grease = -math.log1p(max(moved[_GREASE], -0.99)) / GREASE_PER_DEGC
-    if not _is_of_a_day(known, base) or not 1.0 / _ALIKE < by_grease / warmer < _ALIKE:
-        return None
-    spread = tuple(replace(one, std=max(one.std, abs(moved[one.title]))) if one.title in moved else one for one in evidence.spread)
-    return replace(evidence, spread=spread), GreaseToday(warmer, moved[_GREASE])
 
 
 def winding_alone(known: KnownMachine, base: MachineFit) -> float | None:
@@ -100,11 +68,18 @@ def winding_alone(known: KnownMachine, base: MachineFit) -> float | None:
         return None
     if not _is_of_a_day(known, base):
         return None
-    grease = base.values[_GREASE] - known.actuator[_GREASE] if _GREASE in known.scatter else 0.0
-    tells = abs(grease) >= _SHOWN * known.with_whole_std(base).std.get(_GREASE, math.inf)
-    if tells and following(known, base) is not None:
+    if _GREASE in known.scatter and _is_grease_as_warm(known, base):
         return None
     return base.values[_WINDING] / known.actuator[_WINDING] - 1.0
+
+
+def _is_grease_as_warm(known: KnownMachine, base: MachineFit) -> bool:
+    """Whether the grease is off the healthy runs, surely, and about as warm as the winding."""
+    change = base.values[_GREASE] / known.actuator[_GREASE] - 1.0
+    if abs(change) * known.actuator[_GREASE] < _SHOWN * known.with_whole_std(base).std.get(_GREASE, math.inf):
+        return False
+    by_grease = -math.log1p(max(change, -0.99)) / GREASE_PER_DEGC
+    return 1.0 / _ALIKE < by_grease / _warmer_degC(known, base) < _ALIKE
 
 
 def _is_of_a_day(known: KnownMachine, base: MachineFit) -> bool:

@@ -367,7 +367,7 @@ def calibrate(
 
     Raises InputError when a record is unlike the others of its command, when the records do not determine a parameter, and when the calibrated model does not follow them.
     """
-    check_alike(records)
+    check_alike(actuator, records)
     before = channel_errors(actuator, records)
     free = tuple(row_of(name).name for name in names) if names is not None else free_parameters(actuator, records)
     found: dict[str, FittedParameter] = {}

@@ -16,21 +16,20 @@ from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, settled
-from ema_tools.fit.nuisance import FROM_DATA_SHEET, are_slight, moved
+from ema_tools.fit.nuisance import FROM_DATA_SHEET, TEMPERATURE, are_slight, moved
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.select.baseline import gather, granting, same_command
 from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
-from ema_tools.select.known_machine import KnownMachine, MachineFit
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import UNEXPLAINED, diagnose
-from ema_tools.select.sensors import Suspect, odd_signal, suspect, without_voltage
+from ema_tools.select.sensors import Suspect, likelier_sensor, odd_signal, suspect, without_voltage
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
-from ema_tools.select.warmth import GreaseToday, MagnetsToday, following, with_magnets_free, without_magnets
 from ema_tools.tasks.learned_tables import helpful_tables, today_worn
 
+_FAR_DAY = 2.0  # standard deviations of the temperature between baseline records: farther, and it is said [chance]
 _FAR_FROM_SHEET = 2.0  # of the spread of units: farther, and it is said [chance]
 
 
@@ -180,42 +179,19 @@ def _terminals(lost_V: float) -> RecordRemark:
     )
 
 
-def _warm_magnets(found: MagnetsToday) -> RecordRemark:
-    flux = f"the magnets {100.0 * abs(found.loss):.1f} % {'weaker' if found.warmer_degC > 0.0 else 'stronger'}"
-    return _warm(found.warmer_degC, flux, "magnets that changed by so much")
-
-
-def _warm_grease(found: GreaseToday) -> RecordRemark:
-    flows = f"the grease {100.0 * abs(found.change):.0f} % {'thinner' if found.change < 0.0 else 'stiffer'}"
-    return _warm(found.warmer_degC, flows, "grease that changed by so much")
-
-
-def _warm(warmer_degC: float, what: str, hidden: str) -> RecordRemark:
-    how = f"{abs(warmer_degC):.0f} degC {'warmer' if warmer_degC > 0.0 else 'colder'}"
-    text = f"the winding is {how} than on the healthy records and {what}, as temperature makes them: {hidden} would not be told from it"
-    return RecordRemark("temperature", "weakens", text, "record healthy runs at today's temperature")
-
-
-def _of_its_temperature(evidence: Evidence) -> tuple[Evidence, tuple[RecordRemark, ...]]:
-    """A record beside healthy runs with what another temperature makes of the machine free in it, and what is said of that."""
-    known, base = _based(evidence)
-    grease = following(known, base)
-    if grease is None and (alone := without_magnets(known, base)) is not None:
-        # magnets bend what the record says of the grease
-        grease = following(*_based(alone[0]))
-    said: tuple[RecordRemark, ...] = ()
-    if grease is not None:
-        evidence, said = replace(evidence, spread=grease[0].spread), (_warm_grease(grease[1]),)
-        known, base = _based(evidence)
-    if (weaker := with_magnets_free(known, base)) is not None:
-        evidence, said = weaker[0], (_warm_magnets(weaker[1]), *said)
-    return evidence, said
-
-
-def _based(evidence: Evidence) -> tuple[KnownMachine, MachineFit]:
-    """The machine with CSJ, BLK and what scatters as the record has them."""
-    known = KnownMachine(evidence)
-    return known, known.base({})
+def _of_the_day(evidence: Evidence, found: Diagnosis) -> tuple[RecordRemark, ...]:
+    """What is said of a day that is much warmer or colder than those of the baseline records."""
+    place = next((place for place, one in enumerate(evidence.spread) if one.cause == TEMPERATURE), None)
+    if place is None:
+        return ()
+    deviations = found.fit.deviations() if found.fit is not None else settled(evidence, {}).best_deviations()
+    times = float(deviations[place])
+    if abs(times) < _FAR_DAY:
+        return ()
+    degC = times * evidence.spread[place].std
+    how = f"about {abs(degC):.0f} degC {'warmer' if degC > 0.0 else 'colder'}"
+    text = f"winding, grease and magnets together are as on a day {how} than the baseline records, and are taken for that: a change of all three by as much would not be told from it"
+    return (RecordRemark("temperature", "weakens", text, "record healthy runs at today's temperature"),)
 
 
 _AS_ASKED = RecordRemark(
@@ -267,15 +243,13 @@ def answer(
         gate = replace(gate, remarks=(_terminals(lost_V), *gate.remarks))
     tell(0.02, "the healthy machine")
     evidence = gather(actuator, record, same, report=lambda share, text: tell(0.02 + 0.23 * share, f"healthy machine, {text}"))
-    if evidence.relative:
-        evidence, warmth = _of_its_temperature(evidence)
-        gate = replace(gate, remarks=(*warmth, *gate.remarks))
     healthy_machine = fitted_machine(evidence, None)
     with (
         beside(lambda: state_doubt(evidence, same)) as doubted,
         beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located,
     ):
         evidence, found = _searched(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+    gate = replace(gate, remarks=(*_of_the_day(evidence, found), *gate.remarks))
     doubt = doubted.result()
     if doubt:
         gate = replace(
@@ -283,7 +257,7 @@ def answer(
         )
         # what changed and what repeats no better cannot be told apart
         found = found.refuted([one.name for one in found.named])
-    sensor = suspect(evidence) if found.verdict != "adequate" else None
+    sensor = suspect(evidence) if found.verdict == "unknown" else None
     if found.verdict == "unknown" and sensor is None:
         tell(0.85, "what one signal alone says")
         sensor = odd_signal(evidence)
@@ -291,9 +265,9 @@ def answer(
         if as_asked is not None:
             evidence, found = as_asked
             gate = replace(gate, remarks=(_AS_ASKED, *gate.remarks))
-    if sensor is not None and found.verdict == "missing":
+    if found.verdict == "missing":
         # an effect that a sensor's error stands in for as well is the likelier: it is the one of the library
-        sensor = sensor if sensor.cost < found.cost_after - LEAST_LIMIT else None
+        sensor = likelier_sensor(evidence, found.cost_after - max(LEAST_LIMIT, found.doubt))
         found = found.refuted([one.name for one in found.named]) if sensor is not None else found
     tell(0.86, "where the model fails")
     places = located.result()

@@ -390,7 +390,7 @@ def _since(beside: Compared, effects: Mapping[str, float]) -> Compared:
     machine = unit.actuator.changed(effects)
     without = simulate_channels(unit.actuator, unit.record, unit.channels, unit.start_mm)
     added = simulate_channels(machine, unit.record, unit.channels, unit.start_mm) - without
-    return replace(beside, unit=replace(unit, actuator=machine, repeats=tuple(repeat + added for repeat in unit.repeats)))
+    return replace(beside, unit=unit.of_machine(machine, added))
 
 
 def _identify(

@@ -358,7 +358,7 @@ def _noise(bench: _Bench, runs: Reals) -> tuple[Reals, Reals]:
     return noise * widen, widths * widen
 
 
-def _check_runs(healthy: Sequence[Record], signals: Sequence[str]) -> None:
+def _check_runs(actuator: Actuator, healthy: Sequence[Record], signals: Sequence[str]) -> None:
     if len(healthy) < 2:
         raise InputError(
             f"--signatures: {len(healthy)} healthy record tells nothing of what scatters: give two or more of the ground test with --healthy"
@@ -373,7 +373,7 @@ def _check_runs(healthy: Sequence[Record], signals: Sequence[str]) -> None:
             if other.channel(name) is None:
                 raise InputError(f"{other.file}: {name}: not recorded: name the recorded signals with --signals")
     check_once(healthy)
-    check_alike(healthy)
+    check_alike(actuator, healthy)
 
 
 def signals_of(records: Sequence[Record], text: str | None = None) -> tuple[str, ...]:
@@ -389,7 +389,7 @@ def signatures(actuator: Actuator, healthy: Sequence[Record], signals: Sequence[
     Raises InputError for runs that do not serve, and when the effects need more rows than the module holds.
     """
     names = tuple(name for name in CHANNELS if name in signals)
-    _check_runs(healthy, signals)
+    _check_runs(actuator, healthy, signals)
     record = healthy[0]
     doubt = state_doubt(gather(actuator, record, healthy, live(*healthy)), healthy)
     bin_rows = max(1, round(1.0 / (rate_hz * record.period_s)))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,8 +12,8 @@ from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.design.typical import typical_change
-from ema_tools.fit.evidence import Evidence
-from ema_tools.fit.nuisance import GAIN_SHARE
+from ema_tools.fit.evidence import Evidence, slope_step
+from ema_tools.fit.nuisance import GAIN_SHARE, Spread
 from ema_tools.fit.whitening import counted
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
@@ -53,7 +55,7 @@ def _weighed(evidence: Evidence) -> WeighedEntry:
     )
     zeros, gains = {}, {}
     # of the model as it stands, what a sensor's gain adds is no constant
-    for signals in evidence.additive[: len(evidence.additive) - len(evidence.slight)]:
+    for signals in evidence.additive[len(evidence.varies) : len(evidence.additive) - len(evidence.slight)]:
         place = int(np.argmax(np.max(np.abs(signals), axis=1)))
         name = evidence.channels[place]
         if np.ptp(signals[place]) > 0.0:
@@ -67,15 +69,31 @@ def _weighed(evidence: Evidence) -> WeighedEntry:
         weights=weights,
         # beside baseline records CSJ and BLK are sought: they have no prior
         spread=tuple(
-            SpreadEntry(names=one.names, std=one.std, relative=one.relative)
+            SpreadEntry(names=one.names, std=_whole_std(one, evidence.spread), relative=one.relative)
             for one in evidence.spread
-            if not (evidence.relative and one.title in FAULTS.values())
+            if not (one.cause or (evidence.relative and one.title in FAULTS.values()))
         ),
         zeros=zeros,
         gains=gains,
         unit={} if unit is None else {name: unit[row_of(name).name] for one in evidence.spread for name in one.names},
-        slight=tuple(dict(changes) for changes in evidence.slight),
+        slight=(
+            *(one.changes(evidence.actuator, slope_step(one)) for one in evidence.varies),
+            *(dict(changes) for changes in evidence.slight),
+        ),
+        sizes=(*map(slope_step, evidence.varies), *(1.0 for _ in evidence.slight)),
     )
+
+
+def _whole_std(one: Spread, spread: Sequence[Spread]) -> float:
+    """Standard deviation of a value with what causes that move several make of it."""
+    by_causes = [
+        share * other.std
+        for other in spread
+        if other.cause
+        for name, share in zip(other.names, other.shares, strict=True)
+        if name == one.title
+    ]
+    return math.hypot(one.std, *by_causes)
 
 
 def _packed(values: Reals) -> str:

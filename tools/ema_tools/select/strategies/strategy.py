@@ -105,6 +105,14 @@ class Strategy(ABC):
         further = min(self.limits.model_error**2 * self.beyond, _NEARLY_ALL * rest) if place else 0.0
         return max(self.limit_at(found, place, cost), share, further)
 
+    def least_kept(self, must: float, _left: float) -> float:
+        """What an earlier effect must take off to be kept beside a further one that had to take off `must`, where both leave so much."""
+        return must
+
+    def least_beside(self, _cost: float, _left: float) -> float:
+        """What a further effect must take off at least from the present cost where it leaves so much."""
+        return 0.0
+
     @abstractmethod
     def limit_at(self, found: Sequence[Signature], place: int, cost: float) -> float:
         """The limit in the round `place`, in the misfit that is left there."""
@@ -131,6 +139,10 @@ class Strategy(ABC):
 
     def is_no_answer(self, _cost: float) -> bool:
         """Whether so much is left that no set of effects is an answer."""
+        return False
+
+    def is_strained(self, _best: Fit) -> bool:
+        """Whether beside a fit what scatters goes farther than it does."""
         return False
 
     def vague(self, _best: Fit) -> list[str]:

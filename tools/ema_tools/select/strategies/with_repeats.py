@@ -14,20 +14,24 @@ from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, settled
 from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, refit, seen_from, shares_left, without_effect, worn
-from ema_tools.library.faults import FAULTS
+from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, signatures
 from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import LEAST_LIMIT, SearchLimits, Strategy, begun_with, polished_near
 
-_REPEAT_MARGIN = 1.5  # by how much an effect must exceed what the same signatures make of a healthy repeat [judgement]
+_NOISE_WEIGHT = 10.0  # records as which it counts that an effect does not vary from run to run: its signature is then noise [judgement]
+_ALSO_SHOWN = 0.5  # of the strongest signature of an effect: others that explain as much of the record tell how it varies, too [judgement]
 _BY_CHANCE = (
     1e-4  # of what scatters, to either side, that is taken for a change: of a record's few such values one in a thousand records [chance]
 )
 _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
 _FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
 _BESIDE_WEAR_MAX = 2  # effects that may follow where both faults are fitted first [effort]
+_FORM_DIRECTIONS = 20.0  # in which the wrong form of an effect errs [judgement]
+_GOOD_PART = 0.3  # of what is left: an effect that explains so much of it needs no more [judgement]
+_RIVALS = 2  # of each round that are tried in the place of what was taken [effort]
 _LAST_ROUNDS = 3  # of the one fit that is the answer [effort]
 _HIDDEN = 0.25  # of what a change of a value makes: where what scatters leaves less, the two lie in one narrow valley [measured]
 _JOINT_ROUNDS = 2  # of the answer together with what scatters [effort]
@@ -48,6 +52,7 @@ class WithRepeats(Strategy):
 
     def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         self._repeats = evidence.of_repeats
+        self._from_run_to_run: dict[str, float] = {}
         super().__init__(evidence, only)
         self._beyond = max(raw_cost(evidence) - self.floor, 0.0)
 
@@ -61,15 +66,24 @@ class WithRepeats(Strategy):
         return self._beyond
 
     def limit_at(self, found: Sequence[Signature], place: int, _cost: float) -> float:
-        """What the first look's signatures make of healthy repeats, with a margin."""
+        """The least of any effect; the first look tells besides by how much each effect varies on the repeats themselves."""
         if place == 0:
-            most = 0.0
-            for signature in found:
-                square = signature.shown.square
-                if square > 0.0:
-                    most = max([most, *(signature.shown.product(repeat) ** 2 / square for repeat in self._repeats)])
-            self.limit = max(self.limits.least, _REPEAT_MARGIN * most)
+            self._from_run_to_run = self._varying(found)
         return self.limit
+
+    def _varying(self, found: Sequence[Signature]) -> dict[str, float]:
+        """What each effect's signatures take off by chance, by Student's factor: their variance on the repeats, over that of noise, beside a usual one of noise alone."""
+        freedom = _NOISE_WEIGHT + len(self._repeats) - 1.0
+        factor = float(special.stdtrit(freedom, _BY_CHANCE) ** 2)
+        strongest: dict[str, float] = {}
+        varying: dict[str, float] = {}
+        for one in found:
+            effect, square = one.candidate.effect, one.shown.square
+            strongest.setdefault(effect, one.score)
+            if square > 0.0 and one.score >= _ALSO_SHOWN * strongest[effect]:
+                shown = float(np.mean([one.shown.product(repeat) ** 2 / square for repeat in self._repeats]))
+                varying[effect] = max(varying.get(effect, 0.0), (_NOISE_WEIGHT + (freedom - _NOISE_WEIGHT) * shown) / freedom)
+        return {effect: factor * variance for effect, variance in varying.items()}
 
     def confounded(self, held: Fit | None) -> list[Fit]:
         """Where what scatters would go beyond what is credible: in place of a value that does, the effect that does the same."""
@@ -82,9 +96,22 @@ class WithRepeats(Strategy):
     def least_by_chance(self, effect: str) -> float:
         """How far a value goes that scatters by a width of which these repeats, and the usual, tell: by Student's factor, and not at all where its width is stated."""
         own = FAULTS[effect] if effect in FAULTS else getattr(record_of(effect).confounded, "parameter", "")
-        if not any(own in one.names for one in self.evidence.spread) or own in self.evidence.actuator.scatter:
-            return 0.0
-        return float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2)
+        varying = self._from_run_to_run.get(effect, 0.0)
+        if not any(own in one.names for one in (*self.evidence.spread, *self.evidence.varies)) or own in self.evidence.actuator.scatter:
+            return varying
+        return max(float(special.stdtrit(self.evidence.freedom, _BY_CHANCE) ** 2), varying)
+
+    def least_kept(self, must: float, left: float) -> float:
+        """What the error of the others' forms gives by chance, where what varies takes most of it: what stays above the floor is spread over so many directions in which a form errs, and each of
+        them counts as noise does."""
+        return self._by_form(left) if self.evidence.varies else must
+
+    def _by_form(self, left: float) -> float:
+        return self.limits.least * (1.0 + max(left - self.floor, 0.0) / _FORM_DIRECTIONS)
+
+    def least_beside(self, cost: float, left: float) -> float:
+        """The same; an effect that takes off a good part of what is left needs no more."""
+        return min(self._by_form(left), _GOOD_PART * max(cost - self.floor, 0.0)) if self.evidence.varies else 0.0
 
     def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
@@ -97,8 +124,40 @@ class WithRepeats(Strategy):
 
     def ended(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
         """The likelier of the path, those that begin with wear and one of its effects alone; its last fit settled together with what scatters where an effect does the same."""
-        path = self.fewer(self._likelier(path, grow), lambda start: polished(refit(self.start, start), _LAST_ROUNDS))
-        return _with_scatter(path)
+        path = self._swapped(self._likelier(path, grow))
+        path = self.fewer(path, lambda start: polished(refit(self.start, start), _LAST_ROUNDS))
+        return _with_scatter(self._without_idle(path))
+
+    def _swapped(self, path: Path) -> Path:
+        """The path, or a better one in which a rival of the round in which an effect was taken stands in its place: beside what came later the order may be another."""
+        if not path.steps or len(path.steps[-1].effects) < 2:
+            return path
+        best, held = path.steps[-1], frozenset[str]()
+        starts = []
+        for step, tried in zip(path.steps, path.rounds, strict=False):
+            taken = next((effect for effect in step.effects if effect not in held), "")
+            rivals = [fit for fit in tried.fits if taken not in fit.effects and taken in best.effects]
+            for fit in rivals[:_RIVALS]:
+                other = {name: value for name, value in fit.values.items() if effect_of(name) not in {*held, *best.effects}}
+                starts += [joined(without_effect(best.values, taken), other)] if other else []
+            held = frozenset(step.effects)
+        fits = each(lambda start: polished(refit(self.start, start), _POLISH_ROUNDS), starts)
+        found = min(fits, key=lambda fit: fit.judged, default=best)
+        return begun_with(found, path) if found.judged < best.judged - 1.0 else path
+
+    def _without_idle(self, path: Path) -> Path:
+        """The path with its last fit without each effect that takes off less than every effect must, beside the others as they are in the end."""
+        best = path.steps[-1] if path.steps else None
+        if best is None or len(best.effects) < 2:
+            return path
+        for effect in best.effects:
+            rest = without_effect(best.values, effect)
+            if not rest:
+                continue
+            smaller = polished(refit(settled(self.evidence, rest, best.view.deviations, 1), rest), _POLISH_ROUNDS)
+            if smaller.cost - best.cost < max(self.least_by_chance(effect), self._by_form(best.cost)):
+                best = smaller
+        return path if best is path.steps[-1] else begun_with(best, path)
 
     def _likelier(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
         """The path, or a better one that begins with wear.
@@ -157,6 +216,10 @@ class WithRepeats(Strategy):
         if not shown:
             return path
         return begun_with(min(shown[0], polished(shown[0], _LAST_ROUNDS), key=lambda fit: fit.cost), path)
+
+    def is_strained(self, best: Fit) -> bool:
+        """Farther than any run does: it stands in for something else."""
+        return bool(np.any(np.abs(best.view.best_deviations(best.view.moved(best.values), np.inf)) > _RUNS_AWAY))
 
     def vague(self, best: Fit) -> list[str]:
         """Beside a large misfit a size that could be none says that something else is there."""

@@ -161,7 +161,7 @@ def _weighed(actuator: Actuator, weighed: WeighedEntry | None) -> dict[str, Any]
         "zeros": weighed.zeros,
         "gains": weighed.gains,
         "unit": placed(weighed.unit),
-        "slight": [placed(changes) for changes in weighed.slight],
+        "slight": [{"changes": placed(changes), "size": size} for changes, size in zip(weighed.slight, weighed.sizes, strict=True)],
     }
 
 

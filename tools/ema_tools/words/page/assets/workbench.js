@@ -153,7 +153,7 @@
   function compute(settle = false) {
     const simulated = misfit.simulate(values);
     const weightedResidual = misfit.residual(values, simulated);
-    if (settle) zeros = misfit.bestZeros(weightedResidual);
+    if (settle) zeros = misfit.credibleZeros(weightedResidual);
     const signals = {};
     for (const name of CHANNELS.filter((one) => record[one])) {
       const residual = record[name].map((value, row) => value - simulated[name][row]);

@@ -6,6 +6,7 @@ const EmaFit = (() => {
   const ROUGH = 144; // squared change below which a difference may be the model's own roughness [precision]
   const SPREAD_STEP = [0.01, 0.1]; // the same of a value with a prior: of the value, or of its standard deviation where that is zero [precision]
   const RUNS = 120; // model runs of one fit, after which it ends [effort]
+  const CREDIBLE = 3; // standard deviations to which what scatters goes where nothing is fitted, as everywhere in the tools [chance]
   const DONE = 1e-4; // share of the cost: a step that lowers it by less was the last by its slopes [precision]
   const REFRESHED = 4; // times that all slopes are taken again [effort]
   const DAMPED = [1e-6, 1e-3, 1e-1, 1, 10, 100]; // shares of the curvature added to it, until a step lowers the cost [judgement]
@@ -44,6 +45,35 @@ const EmaFit = (() => {
     for (let i = n - 1; i >= 0; i -= 1) {
       for (let k = i + 1; k < n; k += 1) x[i] -= lower[k][i] * x[k];
       x[i] /= lower[i][i];
+    }
+    return x;
+  }
+
+  // The solution of `solved` with no element farther than `reach`: what one may not do, the others then do not answer (an active set, which grows to the first bound on the way and gives up the
+  // bound that the cost would leave).
+  function solvedWithin(matrix, right, reach) {
+    const n = right.length;
+    const x = new Float64Array(n);
+    const held = new Int8Array(n);
+    for (let round = 0; round < 10 * n; round += 1) {
+      const free = [...x.keys()].filter((k) => !held[k]);
+      const best = solved(free.map((i) => free.map((j) => matrix[i][j])), free.map((i) => right[i] - x.reduce((sum, at, j) => sum + (held[j] ? matrix[i][j] * at : 0), 0)));
+      if (!best) return x;
+      let share = 1;
+      let first = -1;
+      free.forEach((k, i) => {
+        const most = Math.abs(best[i]) > reach ? (Math.sign(best[i]) * reach - x[k]) / (best[i] - x[k]) : 1;
+        if (most < share) [share, first] = [most, k];
+      });
+      free.forEach((k, i) => { x[k] += share * (best[i] - x[k]); });
+      if (first >= 0) {
+        held[first] = Math.sign(x[first]);
+        continue;
+      }
+      const inward = [...x.keys()].map((k) => (held[k] ? -held[k] * (right[k] - x.reduce((sum, at, j) => sum + matrix[k][j] * at, 0)) : 0));
+      const worst = inward.indexOf(Math.max(...inward));
+      if (!(inward[worst] > 1e-9 * Math.abs(right[worst]))) return x;
+      held[worst] = 0;
     }
     return x;
   }
@@ -165,11 +195,11 @@ const EmaFit = (() => {
       put(unit);
       const base = this.simulate(values);
       for (const [name, share] of Object.entries(gains)) this.additive.push(this.whitener.whiten({ ...none, [name]: base[name].map((value) => share * value) }));
-      for (const changes of slight) {
+      for (const { changes, size } of slight) {
         const before = changes.map(([id]) => [id, values[id]]);
         put(changes);
         const trial = this.simulate(values);
-        this.additive.push(this.whitener.whiten(Object.fromEntries(names.map((name) => [name, minus(trial[name], base[name])]))));
+        this.additive.push(this.whitener.whiten(Object.fromEntries(names.map((name) => [name, minus(trial[name], base[name]).map((value) => value / size)]))));
         put(before);
       }
     }
@@ -188,6 +218,11 @@ const EmaFit = (() => {
 
     bestZeros(residual) {
       return this.additive.length ? solved(this.square, this.additive.map((one) => dot(one, residual))) : new Float64Array(0);
+    }
+
+    // The same no farther than is credible.
+    credibleZeros(residual) {
+      return this.additive.length ? solvedWithin(this.square, this.additive.map((one) => dot(one, residual)), CREDIBLE) : new Float64Array(0);
     }
 
     // The residual with the zeros of the sensors taken off.
