@@ -11,9 +11,9 @@ import pytest
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, settled, simulate_channels
-from ema_tools.fit.nuisance import BESIDES, PER_DEGC, TEMPERATURE, Spread, besides, moved
+from ema_tools.fit.nuisance import BESIDES, PER_DEGC, TEMPERATURE, USUAL_WEIGHT, Spread, besides, moved
 from ema_tools.select.baseline import gather
-from ema_tools.select.run_to_run import _SCALES, USUAL_WEIGHT, _learned, _scales
+from ema_tools.select.run_to_run import _SCALES, _learned, _scales
 from ema_tools.select.search import diagnose
 from ema_tools.tasks.diagnose import answer
 from support import chirp_record

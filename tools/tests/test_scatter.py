@@ -180,7 +180,7 @@ def test_what_nobody_searches_for_has_neither_faults_nor_shares_of_zero() -> Non
 def test_stated_widths_stay_where_healthy_runs_teach_the_others() -> None:
     shares = np.array([[3.0, -3.0, 3.0, -3.0]] * 3)
     usual = from_run_to_run(stating(screw__csj_Nm=0.02))
-    widths = widths_shown(stating(screw__csj_Nm=0.02), usual, shares, 4.0)
+    widths = widths_shown(stating(screw__csj_Nm=0.02), usual, shares)
     assert widths[0] == 1.0
     assert np.all(widths[1:] == np.sqrt((4.0 + 36.0) / (4.0 + 3.0)))
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ema_tools.fit.temperature import FRICTION_PER_DEGC, Foretold, HealthyFriction, of_runs
+from ema_tools.fit.nuisance import FRICTION_PER_DEGC
+from ema_tools.fit.temperature import Foretold, HealthyFriction, of_runs
 
 USUAL = (0.004, 0.003, 0.01)
 NOISE = 0.001

@@ -94,6 +94,19 @@ def slope_step(one: Spread) -> float:
     return _DERIVATIVE_STEP / (one.std * max(map(abs, one.shares), default=1.0)) if one.relative else _DERIVATIVE_STEP_STD
 
 
+def directions_of(
+    actuator: Actuator, record: Record, channels: Sequence[str], start_mm: float, spread: Sequence[Spread]
+) -> tuple[Reals, Reals]:
+    """The model's signals under the record's command [channels, rows], and what one standard deviation of each spread makes of them, [spread, channels, rows]."""
+    here = simulate_channels(actuator, record, channels, start_mm)
+
+    def moved(one: Spread) -> Reals:
+        step = slope_step(one)
+        return (simulate_channels(actuator.changed(one.changes(actuator, step)), record, channels, start_mm) - here) / step
+
+    return here, np.array(each(moved, spread)).reshape(len(spread), *here.shape)
+
+
 def measured_channels(record: Record, channels: Sequence[str]) -> Reals:
     """The record's signals, [channels, rows]."""
     return np.array([record.recorded(name) for name in channels])

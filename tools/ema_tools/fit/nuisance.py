@@ -16,6 +16,11 @@ from ema_tools.library.registry import record_of, records
 # Usual scatter of one machine from run to run, relative: dry friction, grease, winding; [scatter] of an actuator's file states its own in their place [physics]
 FROM_RUN_TO_RUN: Mapping[str, float] = {"screw.csj_Nm": 0.004, "screw.viscous_Nm_s_per_rad": 0.01, "motor.resistance_ohm": 0.003}
 
+# The usual scatter counts as much as so many healthy runs that had shown it [judgement]
+USUAL_WEIGHT = 4.0
+COPPER_PER_DEGC = 0.00393  # IEC 60028 [physics]
+GREASE_PER_DEGC = 0.028  # a grease loses half of its viscosity in about 25 degC near room temperature [physics]
+FRICTION_PER_DEGC = 0.005  # of dry friction, one standard deviation about none: greases and seals differ in sign as well [physics]
 # What varies besides, by a little that the signals follow evenly, relative [judgement]
 BESIDES: Mapping[tuple[str, ...], float] = {
     ("motor.torque_constant_Nm_per_A", "motor.back_emf_V_s_per_rad"): 0.001,
@@ -37,18 +42,18 @@ STANDING_VARIES = 0.05
 SLIGHT_VARIES = 0.1
 # A day of another temperature moves these together: one standard deviation in degC [judgement]
 DAY_DEGC = 5.0
-# What a degree makes of each, relative: copper, grease, and magnets between those that hardly care (samarium-cobalt) and ferrite (R. Krishnan, Permanent Magnet Synchronous and Brushless DC
+# What a degree makes of each, relative: of magnets between those that hardly care (samarium-cobalt) and ferrite (R. Krishnan, Permanent Magnet Synchronous and Brushless DC
 # Motor Drives, 2010, ch. 1) [physics]
 PER_DEGC: Mapping[str, float] = {
-    "motor.resistance_ohm": 0.00393,
-    "screw.viscous_Nm_s_per_rad": -0.028,
+    "motor.resistance_ohm": COPPER_PER_DEGC,
+    "screw.viscous_Nm_s_per_rad": -GREASE_PER_DEGC,
     "motor.torque_constant_Nm_per_A": -0.001,
     "motor.back_emf_V_s_per_rad": -0.001,
 }
 TEMPERATURE = "temperature"  # what moves them
-# By how much these differ from machine to machine, one standard deviation: greases and magnets differ, and of dry friction not even the sign is known [physics]
+# By how much these differ from machine to machine, one standard deviation [physics]
 PER_DEGC_DIFFERS: Mapping[str, float] = {
-    "screw.csj_Nm": 0.005,
+    "screw.csj_Nm": FRICTION_PER_DEGC,
     "screw.viscous_Nm_s_per_rad": 0.012,
     "motor.torque_constant_Nm_per_A": 0.0007,
 }
@@ -185,13 +190,18 @@ def from_day_to_day(actuator: Actuator) -> tuple[Spread, ...]:
     return tuple(one for one in from_run_to_run(actuator) if one.title not in FAULTS.values() and one.moves(actuator))
 
 
-def widths_shown(actuator: Actuator, usual: Sequence[Spread], shares: Reals, weight: float) -> Reals:
-    """By how many times the usual each spread scatters, [spreads], as `shares` [spreads, runs] of healthy runs show, in spreads; the usual counts as `weight` such runs.
+def variances_shown(usual: Reals, values: Reals, doubt: Reals | float = 0.0) -> Reals:
+    """Variances [k] that `values` [k, runs] show about their mean, each known to the variance `doubt` [k], beside the `usual` ones [k]."""
+    told = values.shape[1] - 1
+    return np.asarray((USUAL_WEIGHT * usual + np.sum(values**2, axis=1) + told * doubt) / (USUAL_WEIGHT + told))
+
+
+def widths_shown(actuator: Actuator, usual: Sequence[Spread], shares: Reals) -> Reals:
+    """By how many times the usual each spread scatters, [spreads], as `shares` [spreads, runs] of healthy runs show, in spreads.
 
     What the actuator states is known, and a few runs do not change it.
     """
-    widths = np.sqrt((weight + np.sum(shares**2, axis=1)) / (weight + shares.shape[1] - 1))
-    return np.where([one.title in actuator.scatter for one in usual], 1.0, widths)
+    return np.where([one.title in actuator.scatter for one in usual], 1.0, np.sqrt(variances_shown(np.ones(len(usual)), shares)))
 
 
 def _no_less_than_stated(actuator: Actuator, spread: Sequence[Spread]) -> tuple[Spread, ...]:

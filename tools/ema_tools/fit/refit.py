@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -195,6 +195,18 @@ def polished(fit: Fit, rounds: int) -> Fit:
         if done:
             break
     return fit
+
+
+def pruned(fit: Fit, effects: Sequence[str], must: Callable[[str, Fit], float], rounds: int = 0) -> Fit:
+    """The fit without each of some of its effects whose absence costs less than it `must` take off beside a fit; what is left is polished by so many rounds."""
+    current = fit
+    for effect in effects:
+        without = without_effect(current.values, effect)
+        if without:
+            smaller = polished(refit(settled(current.view.evidence, without, current.view.deviations, 1), without), rounds)
+            if smaller.cost - current.cost < must(effect, current):
+                current = smaller
+    return current
 
 
 def worn(view: View) -> Fit | None:

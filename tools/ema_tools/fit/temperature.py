@@ -17,10 +17,8 @@ import numpy as np
 from scipy import optimize, special
 
 from ema_tools.base.arrays import Reals
+from ema_tools.fit.nuisance import COPPER_PER_DEGC, FRICTION_PER_DEGC, GREASE_PER_DEGC
 
-COPPER_PER_DEGC = 0.00393  # IEC 60028 [physics]
-GREASE_PER_DEGC = 0.028  # a grease loses half of its viscosity in about 25 degC near room temperature [physics]
-FRICTION_PER_DEGC = 0.005  # of dry friction, one standard deviation about none: greases and seals differ in sign as well [physics]
 _SLOPES = FRICTION_PER_DEGC * np.linspace(-3.0, 3.0, 49)  # that are tried [precision]
 _FACTOR_SPREAD = 1.5  # of the logarithm of how many times the usual a machine scatters: four times it is no surprise [judgement]
 _FACTORS = np.exp(np.linspace(math.log(0.3), math.log(15.0), 40))  # that are tried [precision]

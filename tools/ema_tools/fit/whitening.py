@@ -66,6 +66,12 @@ def least_noise(signals: Reals) -> Reals:
     return np.asarray(_LEAST_NOISE * np.sqrt(np.mean(signals**2, axis=1)) + 1e-12)
 
 
+def noise_between(left: Reals, least: Reals) -> Reals:
+    """Power of one run's noise [channels, lines] in what is `left` of runs about their mean [runs, channels, rows]; `least`: rms, [channels]."""
+    count = len(left)
+    return smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
+
+
 def smoothed(power: Reals) -> Reals:
     """Running mean over frequency, [channels, lines]."""
     lines = power.shape[1]

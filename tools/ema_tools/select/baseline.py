@@ -22,14 +22,12 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, start_of
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, measured_channels, settled, simulate_channels, slope_step
-from ema_tools.fit.nuisance import Spread
-from ema_tools.fit.whitening import Whitener, counted, least_noise, lines_of, smoothed, spectrum
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, directions_of, measured_channels, settled, simulate_channels
+from ema_tools.fit.whitening import Whitener, counted, least_noise, lines_of, noise_between
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.run_to_run import days_of, freed, without_days
 from ema_tools.select.search import standing_effects
 
-_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as this many repeats that had shown it [judgement]
 # An effect that is just beyond what counts as slight here may come out just within it where it is refitted, and then nobody would hold what it does [chance]
 _SLIGHT_MARGIN = 1.25
 
@@ -164,19 +162,13 @@ def against_known(known: Actuator, record: Record, healthy: Sequence[Record], ch
     least = least_noise(mean)
     start = start_of(known, record)
     usual = spreads.from_run_to_run(known)
-    here = simulate_channels(known, record, channels, start)
-
-    def moved(one: Spread) -> Reals:
-        step = slope_step(one)
-        return (simulate_channels(known.changed(one.changes(known, step)), record, channels, start) - here) / step
-
-    directions = np.array(each(moved, usual)).reshape(len(usual), *here.shape)
+    here, directions = directions_of(known, record, channels, start, usual)
     shares = np.linalg.lstsq(
         (directions / level[:, None]).reshape(len(usual), here.size).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
     )[0]
-    widths = spreads.widths_shown(known, usual, np.asarray(shares, dtype=np.float64), _USUAL_WEIGHT)
+    widths = spreads.widths_shown(known, usual, np.asarray(shares, dtype=np.float64))
     left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
-    power = smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
+    power = noise_between(left, least)
     widen = 1.0 + 1.0 / count
     spread = tuple(replace(one, std=one.std * float(width) * float(np.sqrt(widen))) for one, width in zip(usual, widths, strict=True))
     # a repeat against the mean of the others scatters a little more than the record against the mean of them all
@@ -196,7 +188,7 @@ def against_known(known: Actuator, record: Record, healthy: Sequence[Record], ch
         start,
         repeats,
         counting=_counting(np.array([resolution(record.recorded(name)) for name in channels]), power, whiten),
-        freedom=_USUAL_WEIGHT + count - 1.0,
+        freedom=spreads.USUAL_WEIGHT + count - 1.0,
     )
 
 

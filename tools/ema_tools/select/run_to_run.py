@@ -16,18 +16,16 @@ from scipy.optimize import lsq_linear
 from scipy.special import softmax
 
 from ema_tools.base.arrays import Reals
-from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.evidence import Evidence, simulate_channels, slope_step
+from ema_tools.fit.evidence import Evidence, directions_of
 from ema_tools.fit.nuisance import Spread
-from ema_tools.fit.whitening import Whitener, least_noise, smoothed, spectrum
+from ema_tools.fit.whitening import Whitener, least_noise, noise_between
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 _CREDIBLE_DAY = 3.0  # standard deviations of the temperature that are taken for one [chance]
-THERMOMETER = "current_A"  # with the voltage it tells the winding's resistance
-USUAL_WEIGHT = 4.0  # the usual variance counts as much as this many records that had shown it [judgement]
+_THERMOMETER = "current_A"  # with the voltage it tells the winding's resistance
 _FARTHEST_DAY = 8.0  # usual standard deviations that a day takes a healthy machine: wear goes farther [judgement]
 _WILD_DAYS = 4.0  # times the usual: no days vary farther in everything at once [judgement]
 _PRIORS = tuple(2.0**k for k in range(24))  # weights of the prior that are tried, until the days are such [effort]
@@ -40,13 +38,13 @@ _NOISE_ROUNDS = 3  # of its estimate beside what moves [effort]
 
 def freed(evidence: Evidence) -> Evidence:
     """Evidence beside baseline records with everything free that varies between them, by as much as they show of it."""
-    if THERMOMETER not in evidence.channels:
+    if _THERMOMETER not in evidence.channels:
         # nothing tells the temperature, nor most of the rest, and all of it together may look like wear
         return evidence
     known, count = evidence.actuator, len(evidence.repeats)
-    vary = (*spreads.from_run_to_run(known), *spreads.besides(known))
+    vary = _varying(known)
     apart = _apart(evidence)
-    directions = _directions(known, evidence.record, evidence.channels, evidence.start_mm, vary)
+    _, directions = directions_of(known, evidence.record, evidence.channels, evidence.start_mm, vary)
     least = least_noise(evidence.target)
     # records of one morning are of one temperature: that they are alike says nothing of another day's
     bend = _place_of(vary) + 1
@@ -55,7 +53,7 @@ def freed(evidence: Evidence) -> Evidence:
     vary = tuple(replace(one, std=one.std * float(scale)) for one, scale in zip(vary, scales, strict=True))
     directions, widths, values, shares, doubts = _learned(directions, apart, least, vary, known.scatter)
     left = apart - np.einsum("kr,kcn->rcn", values, directions)
-    power = smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
+    power = noise_between(left, least)
     widen = 1.0 + 1.0 / count
     told = _Told.of(directions, evidence.target - np.mean(evidence.repeats, axis=0), np.sqrt(widen * np.mean(power, axis=1)))
     widths, warmth = _on_this_day(told, widths, doubts, bend - 1, min(1.0, float(scales[-1])))
@@ -76,7 +74,11 @@ def freed(evidence: Evidence) -> Evidence:
 
 def days_of(actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float) -> Reals:
     """What one usual standard deviation of everything that varies makes of the signals of a machine, [varies, channels, rows]."""
-    return _directions(actuator, record, channels, start_mm, (*spreads.from_run_to_run(actuator), *spreads.besides(actuator)))
+    return directions_of(actuator, record, channels, start_mm, _varying(actuator))[1]
+
+
+def _varying(actuator: Actuator) -> tuple[Spread, ...]:
+    return (*spreads.from_run_to_run(actuator), *spreads.besides(actuator))
 
 
 def without_days(signals: Reals, directions: Reals, noise: Reals) -> Reals:
@@ -98,7 +100,7 @@ def varying_as(evidence: Evidence, other: Evidence) -> Evidence:
     """Evidence of a record alone about the same machine, with all free that varies in `other`."""
     if not other.varies:
         return evidence
-    directions = _directions(evidence.actuator, evidence.record, evidence.channels, evidence.start_mm, other.varies)
+    _, directions = directions_of(evidence.actuator, evidence.record, evidence.channels, evidence.start_mm, other.varies)
     additive = np.concatenate([directions, evidence.additive])
     return replace(evidence, spread=other.spread, additive=additive, varies=other.varies, of_known=evidence)
 
@@ -115,17 +117,6 @@ def _of_others(count: int) -> float:
     return float((count - 1) / count / shrink)
 
 
-def _directions(known: Actuator, record: Record, channels: tuple[str, ...], start_mm: float, vary: Sequence[Spread]) -> Reals:
-    """What one standard deviation of each makes of the signals, [vary, channels, rows]."""
-    here = simulate_channels(known, record, channels, start_mm)
-
-    def moved(one: Spread) -> Reals:
-        step = slope_step(one)
-        return (simulate_channels(known.changed(one.changes(known, step)), record, channels, start_mm) - here) / step
-
-    return np.array(each(moved, vary)).reshape(len(vary), *here.shape)
-
-
 def _learned(
     directions: Reals, apart: Reals, least: Reals, vary: Sequence[Spread], stated: Collection[str]
 ) -> tuple[Reals, Reals, Reals, Reals, Reals]:
@@ -139,7 +130,7 @@ def _learned(
     left = apart
     for _ in range(_ROUNDS if count else 0):
         values, doubt = _Told.of(found, apart, _rms(left, least)).values(widths)
-        widths = np.where(fixed, 1.0, np.sqrt(_re_estimated(np.ones(count), values, doubt)))
+        widths = np.where(fixed, 1.0, np.sqrt(spreads.variances_shown(np.ones(count), values, np.diag(doubt))))
         left = apart - np.einsum("kr,kcn->rcn", values, found)
         shares, doubts = _with_temperature(vary, values, widths, shares, fixed)
         found = _warmed(directions, vary, shares)
@@ -163,15 +154,9 @@ def _likelihood_of(told: _Told, usual: Reals) -> float:
     variances = usual**2
     for _ in range(_ROUNDS_OF_SCALE):
         values, doubt = told.values(np.sqrt(variances))
-        variances = _re_estimated(usual**2, values, doubt)
+        variances = spreads.variances_shown(usual**2, values, np.diag(doubt))
     ratios = usual**2 / variances
-    return told.log_likelihood(np.sqrt(variances)) + 0.5 * USUAL_WEIGHT * float(np.sum(np.log(ratios) - ratios))
-
-
-def _re_estimated(usual: Reals, values: Reals, doubt: Reals) -> Reals:
-    """The variances [k] that values [k, runs] of such a covariance [k, k] show, beside the `usual` ones [k]."""
-    told = values.shape[1] - 1
-    return np.asarray((USUAL_WEIGHT * usual + np.sum(values**2, axis=1) + told * np.diag(doubt)) / (USUAL_WEIGHT + told))
+    return told.log_likelihood(np.sqrt(variances)) + 0.5 * spreads.USUAL_WEIGHT * float(np.sum(np.log(ratios) - ratios))
 
 
 def _noise_beside(directions: Reals, apart: Reals, least: Reals) -> Reals:

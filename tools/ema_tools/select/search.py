@@ -9,7 +9,7 @@ from functools import partial
 from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.fit.evidence import Evidence, View, settled
-from ema_tools.fit.refit import POLISHED, Fit, best_of_each, joined, polished, refit, seen_from, slopes, without_effect
+from ema_tools.fit.refit import POLISHED, Fit, best_of_each, joined, polished, pruned, refit, seen_from, slopes, without_effect
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
@@ -63,15 +63,8 @@ def _strongest(found: Sequence[Signature]) -> dict[str, Signature]:
 
 
 def _pruned(fit: Fit, limit: float) -> Fit:
-    """Drops each earlier effect whose absence costs less than the limit."""
-    current = fit
-    for effect in fit.effects[:-1]:
-        without = without_effect(current.values, effect)
-        if without:
-            smaller = refit(settled(current.view.evidence, without, current.view.deviations, 1), without)
-            if smaller.cost - current.cost < limit:
-                current = smaller
-    return current
+    """Without each earlier effect whose absence costs less than the limit."""
+    return pruned(fit, fit.effects[:-1], lambda _effect, _fit: limit)
 
 
 def _as_special_case(fit: Fit, effect: str) -> Fit | None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ema_tools.data.actuator import Actuator
 from ema_tools.fit.evidence import Evidence
-from ema_tools.fit.temperature import COPPER_PER_DEGC, GREASE_PER_DEGC
+from ema_tools.fit.nuisance import COPPER_PER_DEGC, GREASE_PER_DEGC
 from ema_tools.select.known_machine import LAST_STEPS, KnownMachine, MachineFit
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
@@ -42,21 +42,17 @@ def without_magnets(known: KnownMachine, base: MachineFit) -> tuple[Evidence, Ma
 
     For what takes the machine for known but for these: an effect that is missing bends what is read here.
     """
-    found = _of_magnets(known, base)
-    if found is None:
-        return None
-    today, fit = found
-    by_magnets = known.signals(fit.values) - known.signals({**fit.values, **_changed(known.actuator, 0.0)})
-    return replace(known.evidence, target=known.evidence.target - by_magnets), today
-
-
-def _of_magnets(known: KnownMachine, base: MachineFit) -> tuple[MagnetsToday, MachineFit] | None:
     evidence = known.evidence
     if not evidence.relative or len(evidence.channels) < 2 or not known.actuator.has(_OF_MAGNETS[0]) or _WINDING not in known.scatter:
         return None
     if known.plain(base) or not _is_of_a_day(known, base):
         return None
-    return _read(known, base)
+    found = _read(known, base)
+    if found is None:
+        return None
+    today, fit = found
+    by_magnets = known.signals(fit.values) - known.signals({**fit.values, **_changed(known.actuator, 0.0)})
+    return replace(evidence, target=evidence.target - by_magnets), today
 
 
 def winding_alone(known: KnownMachine, base: MachineFit) -> float | None:

@@ -54,7 +54,6 @@ _SHARE_MAX = 0.3  # or at this share of its range, where it never stands out so 
 _SHARE_FIRST = 0.002  # ... beginning at this one ... [judgement]
 _SCALINGS = 4  # ... in so many steps ... [effort]
 _NEAR_ENOUGH = 0.3  # ... until it is this near to it, as a logarithm [judgement]
-_USUAL_WEIGHT = 4.0  # the usual scatter counts as much as so many runs that had shown it [judgement]
 _INDEPENDENT = 1e-3  # two signatures of which less than this is the second's own are one [precision]
 
 
@@ -351,7 +350,7 @@ def _noise(bench: _Bench, runs: Reals) -> tuple[Reals, Reals]:
     shares = np.linalg.lstsq(
         (directions / level[:, None]).reshape(len(usual), mean.size).T, (deviations / level[:, None]).reshape(count, -1).T, rcond=None
     )[0]
-    widths = spreads.widths_shown(bench.actuator, usual, shares, _USUAL_WEIGHT)
+    widths = spreads.widths_shown(bench.actuator, usual, shares)
     left = deviations - np.einsum("kr,kcn->rcn", shares, directions)
     noise = np.sqrt(np.mean(left**2, axis=(0, 2)) * count / (count - 1.0) + least**2)
     widen = np.sqrt(1.0 + 1.0 / count)

@@ -13,7 +13,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, settled
-from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, refit, seen_from, shares_left, without_effect, worn
+from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, pruned, refit, seen_from, shares_left, without_effect, worn
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, signatures
@@ -150,14 +150,8 @@ class WithRepeats(Strategy):
         best = path.steps[-1] if path.steps else None
         if best is None or len(best.effects) < 2:
             return path
-        for effect in best.effects:
-            rest = without_effect(best.values, effect)
-            if not rest:
-                continue
-            smaller = polished(refit(settled(self.evidence, rest, best.view.deviations, 1), rest), _POLISH_ROUNDS)
-            if smaller.cost - best.cost < max(self.least_by_chance(effect), self._by_form(best.cost)):
-                best = smaller
-        return path if best is path.steps[-1] else begun_with(best, path)
+        left = pruned(best, best.effects, lambda effect, fit: max(self.least_by_chance(effect), self._by_form(fit.cost)), _POLISH_ROUNDS)
+        return path if left is best else begun_with(left, path)
 
     def _likelier(self, path: Path, grow: Callable[[Path, int], Path]) -> Path:
         """The path, or a better one that begins with wear.

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from ema_tools.base.interval import interval95
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.fit.division import By
-from ema_tools.fit.temperature import COPPER_PER_DEGC
+from ema_tools.fit.nuisance import COPPER_PER_DEGC
 from ema_tools.library.display_names import coded, value_coded
 from ema_tools.library.registry import called, record_of
 from ema_tools.results.diagnosis import FloorFrom, FrictionShape

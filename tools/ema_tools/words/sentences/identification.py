@@ -8,7 +8,7 @@ import numpy as np
 
 from ema_tools.compare.comparison import TITLES as SIGNAL_TITLES
 from ema_tools.data.actuator import row_of
-from ema_tools.fit.temperature import COPPER_PER_DEGC
+from ema_tools.fit.nuisance import COPPER_PER_DEGC
 from ema_tools.library.display_names import all_coded, coded, value_called
 from ema_tools.plant.native import IdentifiedValue
 from ema_tools.results.identification import TableFinding, ValueEntry, ValuesSearchEntry
