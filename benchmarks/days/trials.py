@@ -17,6 +17,8 @@ FAULTS = {"dry_Nm": (1.2, "csj"), "play_mm": (1.6, "blk")}  # factor at medium s
 KINDS = ("healthy", "effect", "pair", "fault", "outside")
 HEALTHY = 40
 _PAIRS = 12
+# Every machine has a contact that yields. Without baseline records nobody has said so, and it may be named.
+STANDING = frozenset({"presliding", "elastic_backlash"})
 
 
 @dataclass(frozen=True)
@@ -76,12 +78,15 @@ def judged(trial: Trial, answer: SealedAnswer) -> str:
     """right, part, wrong, accused, refused, unnamed or unknown."""
     if answer.refused is not None:
         return "refused"
-    named = [frozenset(one.alike) for one in answer.said if one.accepted]
+    standing = frozenset[str]() if trial.baseline else STANDING - frozenset().union(*trial.names)
+    named = [frozenset(one.alike) for one in answer.said if one.accepted and one.name not in standing]
     if not trial.names:
         if named:
             return "wrong" if trial.hidden else "accused"
         # a machine that nothing ails should be adequate, one that something unknown ails unknown
-        return "right" if answer.verdict == ("unknown" if trial.hidden else "adequate") else answer.verdict if trial.hidden else "unknown"
+        if trial.hidden:
+            return "right" if answer.verdict == "unknown" else "adequate"
+        return "unknown" if answer.verdict == "unknown" else "right"
     found = [any(some & right for some in named) for right in trial.names]
     if all(found) and all(any(some & right for right in trial.names) for some in named):
         return "right"

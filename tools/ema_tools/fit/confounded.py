@@ -21,6 +21,7 @@ from ema_tools.library.registry import record_of, records
 
 _LOOSE = 100.0  # spreads to which the twin of an effect is let go: it is then free [judgement]
 _ROUNDS = 6  # of linear steps to where it is best [effort]
+_WORTH = 2.5  # prior standard deviations that an effect must save to be tried in place of a parameter [effort]
 
 
 def confounded_parameter(name: str) -> ConfoundedParameter | None:
@@ -47,6 +48,9 @@ def confounded_fits(free: View, held: Fit | None = None) -> list[Fit]:
     effects = held.effects if held is not None else ()
     found = []
     for place, one in enumerate(evidence.spread):
+        # without its prior a parameter moves on, and the cost falls by the square of this
+        if abs(free.deviations[place]) < _WORTH * float(np.sqrt(max(1.0 - free.doubt(place) ** 2, 0.0))):
+            continue
         known = {
             name: parameter
             for name, parameter in _confounded_with(one.title).items()

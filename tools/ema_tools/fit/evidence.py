@@ -410,6 +410,11 @@ class View:
         count = self.deviations.size
         return self.evidence.whiten.lines(np.ascontiguousarray(self.residual[: self.residual.size - count])) * self.evidence.whiten.weights
 
+    @property
+    def nuisance_curvature(self) -> Reals:
+        """Half the second derivative of the cost about what scatters, its prior included, [spread + additive, spread + additive]."""
+        return np.asarray(self._scatter.square.T @ self._scatter.square)
+
     def doubt(self, place: int) -> float:
         """Standard deviation, in spreads, to which the record and all priors together determine one of the deviations."""
         return float(np.linalg.norm(np.linalg.inv(self._scatter.square)[place]))

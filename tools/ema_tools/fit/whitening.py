@@ -14,6 +14,10 @@ _SMOOTH_SHARE = 0.15  # ... or this share of the frequency: noise has no narrowe
 # No signal is trusted beyond this share of its own size, whatever its noise: a drive's voltage follows from the other signals and would
 # have none [judgement]
 _LEAST_NOISE = 1e-3
+_WINDOWS = 10  # of a record end to end, which overlap by half: their number tells one signal's noise from four signals [effort]
+_RESOLVED = 3  # turns in a window [chance]
+_HANN_WIDTH = 1.5  # lines of a Hann window that count as one [physics]
+_RIDGE = 1e-9  # of a signal's power: two signals that are the same have no noise, and the matrix stays invertible [precision]
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,10 @@ class Whitener:
     def __call__(self, signals: Reals) -> Reals:
         """The vector [2 * channels * lines] of signals [channels, rows]."""
         return np.ascontiguousarray(spectrum(signals) * self.weights).view(np.float64).ravel()
+
+    def signals(self, vector: Reals, rows: int) -> Reals:
+        """The signals [channels, counted(rows)] of which a vector is what the call makes."""
+        return np.asarray(fft.irfft(self.lines(np.ascontiguousarray(vector)) / self.weights, n=counted(rows), axis=-1, norm="ortho"))
 
     def lines(self, vector: Reals) -> Complexes:
         """The whitened lines [channels, lines] in a vector."""
@@ -70,6 +78,33 @@ def noise_between(left: Reals, least: Reals) -> Reals:
     """Power of one run's noise [channels, lines] in what is `left` of runs about their mean [runs, channels, rows]; `least`: rms, [channels]."""
     count = len(left)
     return smoothed(np.mean(np.abs(spectrum(left)) ** 2, axis=0) * count / (count - 1)) + least[:, None] ** 2
+
+
+def incoherent_power(residual: Reals) -> Reals:
+    """Noise power [channels, lines_of(rows)] of each signal: of its residual [channels, rows] what goes along with no other signal's.
+
+    That is one over the diagonal of the inverse cross-spectral matrix (D. R. Brillinger, Time Series: Data Analysis and Theory, 1981, ch. 8), averaged over half-overlapping Hann windows and over
+    neighbouring lines. What a model lacks moves all signals of a control loop together, and the noise of a sensor moves one.
+    """
+    channels, rows = residual.shape
+    length = rows // _WINDOWS
+    window = np.hanning(length)
+    parts = np.lib.stride_tricks.sliding_window_view(residual, length, axis=1)[:, :: length // 2]
+    lines = fft.rfft(parts * window, axis=-1) / np.linalg.norm(window)
+    level = np.sqrt(np.mean(np.abs(lines) ** 2, axis=(1, 2), keepdims=True)) + np.finfo(np.float64).tiny
+    lines = lines / level
+    found = np.empty((channels, lines.shape[2]))
+    for place in range(lines.shape[2]):
+        half = max(1, int(_SMOOTH_SHARE * place))
+        band = lines[:, :, max(place - half, 1) : place + half + 1].reshape(channels, -1)
+        matrix = band @ band.conj().T / band.shape[1] + _RIDGE * np.eye(channels)
+        # neighbouring lines of a Hann window are not independent
+        freedom = band.shape[1] / _HANN_WIDTH
+        found[:, place] = freedom / (freedom - channels + 1) / np.real(np.diag(np.linalg.inv(matrix)))
+    # slower than a few turns in a window, drift cannot be told from noise
+    found[:, :_RESOLVED] = found[:, _RESOLVED, None]
+    at = np.arange(lines_of(rows)) * length / counted(rows)
+    return np.array([np.exp(np.interp(at, np.arange(one.size), np.log(one))) for one in found * level[:, :, 0] ** 2])
 
 
 def smoothed(power: Reals) -> Reals:

@@ -22,8 +22,8 @@ from ema_tools.base.progress import Report
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.records import Record, start_of
 from ema_tools.fit import nuisance as spreads
-from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, directions_of, measured_channels, settled, simulate_channels
-from ema_tools.fit.whitening import Whitener, counted, least_noise, lines_of, noise_between
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, directions_of, measured_channels, settled, simulate_channels
+from ema_tools.fit.whitening import Whitener, counted, incoherent_power, least_noise, lines_of, noise_between
 from ema_tools.plant.native import CHANNELS
 from ema_tools.select.run_to_run import days_of, freed, without_days
 from ema_tools.select.search import standing_effects
@@ -277,7 +277,19 @@ def gather(
 
 def granting(evidence: Evidence, effects: Sequence[str]) -> Evidence:
     """Evidence without repeats again, with `effects` granted: a search that had them to name has found them as slight as on every machine."""
-    return _of_data_sheet(evidence.actuator, evidence.record, evidence.channels, effects)
+    granted = _of_data_sheet(evidence.actuator, evidence.record, evidence.channels, effects)
+    return replace(granted, whiten=evidence.whiten, noise=evidence.noise, floor=evidence.floor)
+
+
+def with_noise_of(fitted: View) -> Evidence:
+    """Evidence without baseline records again, with the noise of each signal by frequency as the residual of a fit shows it: sensors' noise need not be white."""
+    evidence = fitted.evidence
+    rows = evidence.record.rows
+    residual = evidence.whiten.signals(fitted.residual[: fitted.residual.size - fitted.deviations.size], rows)
+    seen = incoherent_power(residual)
+    power = np.maximum(seen, least_noise(evidence.target)[:, None] ** 2)
+    floor = float(np.sum(seen / power)) * counted(rows) / lines_of(rows)
+    return replace(evidence, whiten=Whitener.of(power, rows), noise=power, floor=floor)
 
 
 def _of_data_sheet(actuator: Actuator, record: Record, names: tuple[str, ...], granted: Sequence[str]) -> Evidence:

@@ -30,7 +30,7 @@ class Path:
 @dataclass(frozen=True)
 class Named:
     """One effect of the answer's list: its class (itself first), values and standard errors as far as it was fitted, by how much it lowers the cost,
-    what it must take off to be named, and whether it is accepted."""
+    what it must take off to be named, whether it is accepted, and its probability where the posterior decided."""
 
     name: str
     alike: tuple[str, ...]
@@ -39,13 +39,15 @@ class Named:
     score: float
     limit: float
     accepted: bool
+    probability: float | None = None
 
 
 @dataclass(frozen=True)
 class Diagnosis:
     """What was found; `fit` None when nothing exceeds the limit. `unexplained`: share of the excess over the floor that is left.
 
-    `steps`: the fits that were accepted one after the other, costs falling; `doubt`: cost that the form of what was found may leave.
+    `steps`: the fits that were accepted one after the other, costs falling; `doubt`: cost that the form of what was found may leave; `unnamed`: probability of a cause that the library does not
+    hold, where the posterior decided.
     """
 
     verdict: str
@@ -59,6 +61,7 @@ class Diagnosis:
     unexplained: float
     limit: float
     doubt: float = 0.0
+    unnamed: float | None = None
 
     def refuted(self, effects: Collection[str]) -> Diagnosis:
         """The same after `effects` of the answer were refuted, by a record held out or by a size that could be none: they are not accepted, and where nothing else is, what is there is unknown."""

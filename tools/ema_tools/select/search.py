@@ -16,6 +16,7 @@ from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, promising, signatures
 from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis, Named, Path, Round
+from ema_tools.select.probable import weighed
 from ema_tools.select.strategies import strategy_for
 from ema_tools.select.strategies.healthy_machine import HealthyMachine
 from ema_tools.select.strategies.strategy import ALIKE, Strategy, begun_with
@@ -215,8 +216,8 @@ def standing_effects(evidence: Evidence, report: Report | None = None) -> Fit | 
     return path.steps[-1] if path.steps else None
 
 
-def _ended(strategy: Strategy, tell: Report) -> Path:
-    path = _grown(strategy, strategy.limits.effects, tell)
+def _ended(strategy: Strategy, tell: Report, effects_max: int | None = None) -> Path:
+    path = _grown(strategy, effects_max or strategy.limits.effects, tell)
     return strategy.ended(path, lambda begun, effects_max: _grown(strategy, effects_max, tell, begun))
 
 
@@ -232,11 +233,16 @@ def _as_known(path: Path, strategy: Strategy, evidence: Evidence, only: Collecti
     return begun_with(fit, path) if fit.judged < path.steps[-1].judged - 1.0 else path
 
 
-def diagnose(evidence: Evidence, report: Report | None = None, only: Collection[str] | None = None) -> Diagnosis:
-    """The whole search on one record's evidence, among all effects and faults or `only` these; `report` is told the share done and what is at work."""
+def diagnose(
+    evidence: Evidence, report: Report | None = None, only: Collection[str] | None = None, effects_max: int | None = None
+) -> Diagnosis:
+    """The whole search on one record's evidence, among all effects and faults or `only` these, for sets of `effects_max` at most; `report` is told the share done and what is at work."""
     strategy = strategy_for(evidence, only)
     tell = report or untold
-    path = _as_known(_ended(strategy, tell), strategy, evidence, only)
+    path = _ended(strategy, tell, effects_max)
+    if strategy.by_probability:
+        return weighed(path, strategy)
+    path = _as_known(path, strategy, evidence, only)
     path = _in_special_cases(path, strategy) if only is None else path
     alone = _alone(path, strategy) if path.steps and _is_far(path.steps[-1].cost, strategy) else None
     # what its own form leaves of it is no second effect

@@ -15,10 +15,12 @@ from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import Evidence, settled
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled
+from ema_tools.fit.misfit import misfit
 from ema_tools.fit.nuisance import FROM_DATA_SHEET, TEMPERATURE, are_slight, moved
+from ema_tools.fit.refit import seen_from
 from ema_tools.library.faults import FAULTS, effect_of
-from ema_tools.select.baseline import gather, granting, same_command
+from ema_tools.select.baseline import gather, granting, same_command, with_noise_of
 from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
@@ -203,10 +205,19 @@ _AS_ASKED = RecordRemark(
 
 
 def _searched(evidence: Evidence, report: Report) -> tuple[Evidence, Diagnosis]:
-    """The search, and the evidence that it rests on: what it finds as slight as on every machine is granted, and it goes once more."""
-    found = diagnose(evidence, report)
+    """The search, and the evidence that it rests on. Without baseline records one effect is sought first: where it leaves more than white noise, the search goes on with the noise that the
+    residual shows. An effect that comes out as slight as on every machine is left free then, and the search goes once more."""
+    if evidence.relative:
+        return evidence, diagnose(evidence, report)
+    found = diagnose(evidence, lambda share, text: report(0.4 * share, text), effects_max=1)
+    tried = found.rounds[0].fits
+    fitted = seen_from(tried[0]) if tried else settled(evidence, {}, rounds=FAR_ROUNDS, reach=FAR)
+    leaves_more = misfit(fitted.cost, evidence.floor, evidence.numbers) > 0.0
+    if leaves_more or fitted.at_edge:
+        evidence = with_noise_of(fitted) if leaves_more and len(evidence.channels) > 1 else evidence
+        found = diagnose(evidence, lambda share, text: report(0.4 + 0.6 * share, text))
     fit = found.fit
-    if evidence.relative or fit is None:
+    if fit is None:
         return evidence, found
     slight = [effect for effect in fit.effects if evidence.released(effect) and are_slight(evidence.actuator, fit.of_effect(effect))]
     if not slight:

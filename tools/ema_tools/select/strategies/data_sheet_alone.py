@@ -6,14 +6,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import special
 
 from ema_tools.base.arrays import Reals
 from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
-from ema_tools.fit.nuisance import WORN, are_slight
+from ema_tools.fit.nuisance import are_slight
 from ema_tools.fit.refit import Fit, best_of_each, jointly, refit
-from ema_tools.library.registry import record_of
+from ema_tools.infer.priors import log_odds
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
 from ema_tools.select.strategies.strategy import ALIKE, LEAST_LIMIT, SearchLimits, Strategy, refined_near
@@ -21,9 +20,7 @@ from ema_tools.select.strategies.strategy import ALIKE, LEAST_LIMIT, SearchLimit
 _JOINT_ROUNDS = 3  # rounds of the fit of a finalist together with the machine .. [effort]
 _WORTH_FITTING = 0.3  # ... and the share of the limit that makes it worth them [effort]
 _GAIN_SHARE = 0.5  # finalists that are behind the best by less than this share of its gain get them too [effort]
-_BY_CHANCE = 3e-4  # of a value, to either side, that is taken for an effect: of a record's nine such values one in 200 records [chance]
-_USUAL_WEIGHT = 4.0  # the usual distance of units counts as much as this many values that had shown it [judgement]
-_EXCESS_SHARE = 0.05  # most that the misfit raises the limit by, as a share of the excess [judgement]
+_WORTH_ADDING = 0.2  # share of what is left above the noise that an effect must take off to be kept on the way [effort]
 
 
 class DataSheetAlone(Strategy):
@@ -33,11 +30,12 @@ class DataSheetAlone(Strategy):
     as well at first shows from there alone, one that bends from here alone.
     """
 
+    by_probability = True
     limits = SearchLimits(
         finalists=8,  # what the unit's parameters hide of an effect shows only when both are fitted together, so more effects are [effort]
         finalist_share=0.1,  # for the same reason [effort]
-        least=2.0 * LEAST_LIMIT,  # no repeats set it: hardly one of 300 healthy machines of the benchmark's kind exceeds it [measured]
-        model_error=0.05,  # what no parameter of a unit holds, such as a slight ripple of its friction, leaves so much [measured]
+        least=LEAST_LIMIT,
+        model_error=0.0,
     )
 
     def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
@@ -81,31 +79,17 @@ class DataSheetAlone(Strategy):
         free = settled(self.evidence, held.values, held.deviations(), rounds=FAR_ROUNDS, reach=FAR)
         return [replace(fit, cost=held.cost + fit.cost - free.cost) for fit in confounded_fits(free, held)]
 
-    def least_of_confounded(self, fit: Fit, least: float, cost: float) -> float:
-        """How far such a value goes by chance on a unit as wide as this one is in everything else, by Student's factor. That it is there is a matter of what the data sheet leaves open alone,
-        which no roughness of the model and no choice of shapes can feign; beside another effect it may mend the form of that one, and must take off what any further one must."""
-        square, freedom = self._width(fit)
-        chance = float(special.stdtrit(freedom, _BY_CHANCE) ** 2) * square * max(1.0, cost / max(self.evidence.floor, 1.0))
-        return max(chance, least) if len(fit.effects) > 1 else chance
+    def least_of_confounded(self, _fit: Fit, _least: float, _cost: float) -> float:
+        """As much as makes up for its prior."""
+        return -2.0 * log_odds((_fit.effects[-1],))
 
-    def _width(self, fit: Fit) -> tuple[float, float]:
-        """How far from its data sheet this unit is in everything else, over what units usually are, squared, and the degrees of freedom to which that is known; the usual counts besides.
-        Where all else is far off, one more is no effect. What wears tells nothing, nor does the parameter that the effect acts by, nor the farthest of the others, which may stand in for that
-        one; and what the record does not determine stays where it is usual, and counts as little."""
-        confounded = record_of(fit.effects[-1]).confounded
-        own = confounded.parameter if confounded is not None else ""
-        told = [
-            (float(fit.view.deviations[place]) ** 2, max(1.0 - fit.view.doubt(place) ** 2, 0.0))
-            for place, one in enumerate(self.evidence.spread)
-            if one.title not in (own, *WORN)
-        ]
-        others = sorted(told)[:-1]
-        freedom = _USUAL_WEIGHT + sum(shown for _, shown in others)
-        return (_USUAL_WEIGHT + sum(square for square, _ in others)) / freedom, freedom
+    def needed(self, _found: Sequence[Signature], _place: int, cost: float) -> float:
+        """Less than makes a cause probable, as two may do so together."""
+        return max(self.limit, _WORTH_ADDING * (cost - self.floor))
 
-    def limit_at(self, _found: Sequence[Signature], _place: int, cost: float) -> float:
-        """In units of the misfit that is left."""
-        return min(self.limit * max(1.0, cost / self.floor), _EXCESS_SHARE * self.excess + self.limit)
+    def limit_at(self, _found: Sequence[Signature], _place: int, _cost: float) -> float:
+        """The same in every round: the posterior decides."""
+        return self.limit
 
     def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], cost: float) -> tuple[Fit, ...]:
         """Together with the machine, where they take off enough to be worth it."""

@@ -43,6 +43,8 @@ class Strategy(ABC):
     faults that are tried, all where it is None."""
 
     limits: SearchLimits
+    # Whether the posterior over the fitted sets decides, and not what each of them leaves.
+    by_probability = False
 
     def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         self.evidence = evidence

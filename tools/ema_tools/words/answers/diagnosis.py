@@ -42,6 +42,7 @@ def diagnosis(found: Answer, provenance: Provenance, curves: CurvesEntry | None 
         error=errors(found.errors),
         next_experiment=record_next(found),
         unexplained=found.diagnosis.unexplained,
+        unnamed=found.diagnosis.unnamed,
         steps=steps(found.steps),
         gate=validity(found.gate),
         where=localisation(found.where, found.sensor),
@@ -70,6 +71,7 @@ def _effect(one: Named, found: Searched) -> EffectEntry:
         score=one.score,
         limit=one.limit,
         accepted=one.accepted,
+        probability=one.probability,
     )
 
 

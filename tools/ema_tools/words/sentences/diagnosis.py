@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.display_names import all_coded, coded, value_words, within
 from ema_tools.library.faults import FAULTS
-from ema_tools.library.registry import separable, separating
+from ema_tools.library.registry import record_of, separable, separating
 from ema_tools.results.parts import MUCH_LEFT, ErrorsEntry
 from ema_tools.select.outcome import Named
 from ema_tools.tasks.diagnose import Answer
@@ -20,6 +20,7 @@ from ema_tools.words.sentences.sizes import significant, size_text
 AT_FLOOR = 1.05  # times the floor: an error no larger leaves chance alone, of which no share is told [judgement]
 NOT_ACCEPTED = " (not accepted)"  # behind a model of the ladder that is not recommended
 _HARDLY_MORE = 1.1  # times the noise: less is told with more digits, which round to one [layout]
+_NEARLY_SURE = 0.99  # no prior is known so well that more digits would mean anything [layout]
 LEAVES = 0.05  # of the excess, which no law of a library leaves that has the machine's own form [judgement]
 
 
@@ -72,7 +73,19 @@ def _said(found: Answer) -> str:
         if found.refuted
         else ""
     )
-    return f"{first}missing is {named}{faults}{refuted} ({fall}{_left(found)}){apart}."
+    return f"{first}missing is {named}{faults}{refuted} ({fall}{_left(found)}){apart}.{_usual(found)}"
+
+
+def _usual(found: Answer) -> str:
+    """What nearly every machine has of the accepted effects, where no baseline records show that this machine had it before."""
+    if found.evidence.relative:
+        return ""
+    return "".join(f" {within(one.name).capitalize()}: {usual}." for one in found.effects if (usual := record_of(one.name).usual))
+
+
+def probability_words(probability: float) -> str:
+    """A probability with as many digits as it supports."""
+    return "over 99 %" if probability > _NEARLY_SURE else f"{100.0 * probability:.0f} %"
 
 
 def _or_rivals(one: Named, rivals: Sequence[str]) -> str:
@@ -167,7 +180,8 @@ def _value_words(name: str) -> str:
 
 def _words(one: Named) -> str:
     size = next(iter(one.values))
-    return coded(one.name, f"{row_of(size).field} {size_text(size, one.values[size], one.std.get(size))}")
+    share = f"; probability {probability_words(one.probability)}" if one.probability is not None else ""
+    return coded(one.name, f"{row_of(size).field} {size_text(size, one.values[size], one.std.get(size))}{share}")
 
 
 def _fault_words(one: Named, known: Actuator) -> str:
