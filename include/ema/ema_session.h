@@ -114,7 +114,7 @@ typedef struct {
 
 typedef struct {
     ema_phase_t phase;
-    bool gap;            /* samples were missed */
+    bool gap;            /* samples were missed or refused */
     bool starts_healthy; /* the search starts at the healthy values */
     bool healthy_done;   /* the cost at the healthy values is known */
     bool assessed;       /* models beside the estimate could be made */
@@ -163,8 +163,9 @@ uint32_t ema_session_check(const ema_session_config_t* config);
 ema_status_t ema_session_init(ema_session_t* session, const ema_session_config_t* config);
 
 /* Takes one recorded row: what was commanded from that instant on, and what the sensors said at it. Errors, nothing
- * changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs, and for zeroed memory that was never started; those of
- * ema_record_append. */
+ * changed: EMA_ERR_NULL; EMA_ERR_ORDER once the search runs, and for zeroed memory that was never started;
+ * EMA_ERR_FULL. The other errors of ema_record_append leave the record unchanged, but the refused row is missing in it:
+ * as after ema_session_gap the verdict will be UNDECIDED with EMA_REASON_GAP. */
 ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample);
 
 /* Takes `rows` rows that lie in the record's buffer already, as ema_record_adopt. Errors, nothing changed:

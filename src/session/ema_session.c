@@ -144,14 +144,23 @@ static bool ema_session_unchanged(const ema_session_t* session)
     return session->config->identified_count == session->annealer.config.dimension;
 }
 
+static bool ema_session_feeds(const ema_session_t* session)
+{
+    return (session->config != NULL) && (session->phase == EMA_PHASE_FEEDING);
+}
+
 ema_status_t ema_session_feed(ema_session_t* session, const ema_sample_t* sample)
 {
     if ((session == NULL) || (sample == NULL)) {
         return EMA_ERR_NULL;
     }
-    return ((session->config != NULL) && (session->phase == EMA_PHASE_FEEDING))
-               ? ema_record_append(&session->record, sample)
-               : EMA_ERR_ORDER;
+    if (!ema_session_feeds(session)) {
+        return EMA_ERR_ORDER;
+    }
+    const ema_status_t status = ema_record_append(&session->record, sample);
+    /* a full record takes no later row, so its rows still follow each other */
+    session->gap = session->gap || ((status != EMA_OK) && (status != EMA_ERR_FULL));
+    return status;
 }
 
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
@@ -288,11 +297,6 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         result->reasons = (uint32_t)EMA_REASON_NOT_FINISHED;
     }
     return EMA_OK;
-}
-
-static bool ema_session_feeds(const ema_session_t* session)
-{
-    return (session->config != NULL) && (session->phase == EMA_PHASE_FEEDING);
 }
 
 ema_status_t ema_session_adopt(ema_session_t* session, uint32_t rows)

@@ -2,7 +2,8 @@
 
 No library serves: CMake's own check of header sets knows neither private headers, nor two precisions, nor a second
 inclusion, and none knows blocks of C in documents. `headers`: every header of include and src compiles alone, and twice.
-`snippets`: every block of C in README.md and docs compiles; rows of effects are compiled as effects of the user.
+`snippets`: every block of C in README.md and docs compiles, and none is indented instead of fenced; rows of effects are
+compiled as effects of the user.
 All in float32 and in float64.
 """
 
@@ -20,6 +21,9 @@ from sources import c_files, finish
 # Documents that live by their C: one in which no block is found has lost it, or hides it from this check.
 DOCUMENTS = ("README.md", "docs/FIRMWARE.md", "docs/ONBOARD_DIAGNOSIS.md", "docs/YOUR_OWN_EFFECT.md", "docs/ADD_AN_EFFECT.md")
 BLOCK = re.compile(r"^ {0,3}```+[ \t]*[cC]\b[^\n]*\n(.*?)^ {0,3}```", re.MULTILINE | re.DOTALL)
+FENCED = re.compile(r"^ {0,3}```.*?^ {0,3}```", re.MULTILINE | re.DOTALL)
+# A statement or declaration in an indented block, where nothing compiles it.
+INDENTED = re.compile(r"^(?: {4}|\t).*;[ \t]*(?:/\*.*)?$", re.MULTILINE)
 ROW = re.compile(r"^EMA_EFFECT\((\w+),", re.MULTILINE)
 # Names in the documents of headers that `ema export` writes, and the exported headers of the example firmware.
 EXPORTED = {"ema_actuator_data.h": "ace_actuator.h", "ema_signatures.h": "ace_signatures.h"}
@@ -95,6 +99,11 @@ def check_snippets(
             problems.append(
                 f"{document.relative_to(root)}: no block of C in it: begin one with ```c, or take the document out of DOCUMENTS in check_compiles.py"
             )
+        text = FENCED.sub(lambda block: "\n" * block[0].count("\n"), document.read_text(encoding="utf-8"))
+        problems += [
+            f"{document.relative_to(root)}:{text.count(chr(10), 0, line.start()) + 1}: C in an indented block is not compiled: begin a block with ```c"
+            for line in INDENTED.finditer(text)
+        ]
         with tempfile.TemporaryDirectory() as folder:
             problems += [
                 f"{document.relative_to(root)}, {error}" for error in snippet_errors(root, compiler, exported, also, Path(folder), blocks)

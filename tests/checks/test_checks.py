@@ -347,6 +347,7 @@ class Compiles(Tree):
             self.assertRegex(problems[0], r"^docs/page\.md, EMA_REAL64=0: docs/page\.md:[4-9]")
         self.assertIn("no block of C", self.snippets(page=good.replace("```c", "```"))[0])
         self.assertEqual(len(self.snippets(page=good + "\n```C\nint;;\n```\n")), 2)
+        self.assertIn("docs/page.md:12: C in an indented block", self.snippets(page=good + "\n    int n = a(1); /* not compiled */\n")[0])
         (self.root / "docs/page.md").unlink()
         self.assertIn("not there", check_compiles.check_snippets(self.root, str(COMPILER), self.root, [], ("docs/page.md",))[0][0])
         self.write("docs/other.md", good.replace("a(1)", "c(1)"))

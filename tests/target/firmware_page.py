@@ -1,4 +1,4 @@
-"""Does what docs/FIRMWARE.md says, word for word, with the cross compiler: its C compiled with an exported configuration, in each of its three ways.
+"""Does what docs/FIRMWARE.md says, word for word, with the cross compiler: its first C block compiled with an exported configuration, in each of its three ways.
 
 The blocks are taken from the page; a page that lacks one fails. Python's standard library alone.
 """
@@ -50,12 +50,12 @@ def run(command: list[str], folder: Path) -> str:
 
 
 def blocks_of(page: str) -> tuple[str, list[str], str]:
-    """The page's C, its CMake blocks and its command. Raises PageError when they are not one, two and one."""
+    """The page's first block of C, its CMake blocks and its command. Raises PageError when the page lacks C or has not two and one of the others."""
     found: dict[str, list[str]] = {"c": [], "cmake": [], "sh": []}
     for language, text in BLOCK.findall(page):
         found[language].append(text)
-    if [len(found[language]) for language in ("c", "cmake", "sh")] != [1, 2, 1]:
-        raise PageError("the page has not one block of C, two of CMake and one command: keep them")
+    if not found["c"] or len(found["cmake"]) != 2 or len(found["sh"]) != 1:
+        raise PageError("the page has not a block of C, two of CMake and one command: keep them")
     return found["c"][0], found["cmake"], found["sh"][0]
 
 

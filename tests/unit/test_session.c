@@ -366,6 +366,21 @@ static void test_missed_samples_decide_nothing(void)
     TEST_ASSERT_EQUAL_HEX32(whole.reasons, identify(&truth).reasons);
 }
 
+static void test_a_refused_sample_that_is_ignored_decides_nothing(void)
+{
+    const truth_t truth = short_truth(EMA_R(0.3), EMA_R(0.04125));
+    const ema_result_t whole = identify(&truth);
+    ema_sample_t refused = {0};
+    refused.channel[EMA_CHANNEL_POSITION] = (ema_real)NAN;
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_init(&session, &config));
+    EMA_ASSERT_STATUS(EMA_ERR_NOT_FINITE, ema_session_feed(&session, &refused));
+    feed(&truth);
+    (void)run_in_slices(&session, ALL_STEPS);
+    const ema_result_t missing = result_of(&session);
+    TEST_ASSERT_EQUAL_HEX32(whole.reasons | (uint32_t)EMA_REASON_GAP, missing.reasons);
+    TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, missing.verdict);
+}
+
 /* The thresholds of a unit hold for its ground test. */
 static void test_another_command_than_the_ground_test_decides_nothing(void)
 {
@@ -930,6 +945,16 @@ static void test_feeding_passes_the_records_refusals_on(void)
     EMA_ASSERT_STATUS(EMA_ERR_FULL, ema_session_feed(&session, &sample));
 }
 
+static void test_a_row_too_many_is_no_gap(void)
+{
+    const ema_sample_t sample = {0};
+    config.record.buffer_bytes = EMA_RECORD_REAL_BYTES(1, 2);
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_init(&session, &config));
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_feed(&session, &sample));
+    EMA_ASSERT_STATUS(EMA_ERR_FULL, ema_session_feed(&session, &sample));
+    TEST_ASSERT_FALSE(session.gap);
+}
+
 static void test_no_result_before_the_first_run(void)
 {
     ema_result_t result;
@@ -1079,6 +1104,7 @@ int main(void)
     RUN_TEST(test_command_that_is_a_function_needs_no_recorded_one);
     RUN_TEST(test_rows_that_lie_in_the_buffer_give_the_bits_of_those_that_were_fed);
     RUN_TEST(test_missed_samples_decide_nothing);
+    RUN_TEST(test_a_refused_sample_that_is_ignored_decides_nothing);
     RUN_TEST(test_another_command_than_the_ground_test_decides_nothing);
     RUN_TEST(test_way_of_the_command_does_not_grow_by_its_rounding);
     RUN_TEST(test_one_parameter_alone_is_found);
@@ -1119,6 +1145,7 @@ int main(void)
     RUN_TEST(test_init_refuses_a_bad_annealer);
     RUN_TEST(test_feeding_is_refused_once_the_search_runs);
     RUN_TEST(test_feeding_passes_the_records_refusals_on);
+    RUN_TEST(test_a_row_too_many_is_no_gap);
     RUN_TEST(test_no_result_before_the_first_run);
     RUN_TEST(test_too_short_a_record_is_refused_and_may_be_fed_on);
     RUN_TEST(test_init_refuses_weights_that_weigh_nothing_or_what_is_not_recorded);

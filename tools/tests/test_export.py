@@ -1,11 +1,13 @@
-"""The header for firmware compiles in both precisions and holds the actuator's values; the flat text is read by the host program."""
+"""The files for firmware compile as C11 and C++11 and hold the actuator's values as float32; the flat text is read by the host program."""
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
 import subprocess
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +15,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ema_tools.data.actuator import read_actuator, reference_actuator
+from ema_tools.data.actuator import Actuator, read_actuator, reference_actuator
 from ema_tools.library.definitions import library_folder, load_definitions
-from ema_tools.tasks.export import flat_text, header_text, literal
-from support import RECORDINGS, REFERENCE, ROOT, complaint, run_ema
+from ema_tools.tasks.export import declaration_text, flat_text, header_text, literal, source_text
+from support import EXPORTED, RECORDINGS, REFERENCE, ROOT, complaint, run_ema
 
 PROGRAM = """
 #include <stdio.h>
@@ -38,33 +40,104 @@ int main(void)
     return 0;
 }
 """
-FLAGS = ["-std=c11", "-pedantic-errors", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror"]
+FLAGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror"]
+CHANGES = {"screw.csj_Nm": 0.1 + 0.2, "stribeck_friction.rise": 1.0 / 3.0, "screw.load_torque_Nm": -1.0 / 7.0, "control.structure": 1}
+# Parts of one program: each gives the address of the constant that it sees.
+PART = """
+#include "actuator.h"
+const ema_actuator_t* PART(void);
+const ema_actuator_t* PART(void) { return &EMA_ACTUATOR; }
+"""
+PARTS = """
+#include "actuator.h"
+const ema_actuator_t* first(void);
+const ema_actuator_t* second(void);
+int main(void) { return (first() == &EMA_ACTUATOR) && (second() == &EMA_ACTUATOR) ? 0 : 1; }
+"""
+
+
+def compiler_of(language: str) -> list[str]:
+    """The command of a compiler, with its standard; the test is skipped without one."""
+    names, standard = {"c": (("CC", "cc", "gcc"), "-std=c11"), "c++": (("CXX", "c++", "g++"), "-std=c++11")}[language]
+    path = os.environ.get(names[0]) or shutil.which(names[1]) or shutil.which(names[2])
+    if not path:
+        pytest.skip(f"no compiler of {language}: install one or name it in {names[0]}")
+    return [path, "-x", language, standard, *FLAGS, f"-I{ROOT / 'include'}"]
+
+
+def printed_values(folder: Path, command: list[str], *sources: str) -> tuple[list[float], list[int]]:
+    """Values and options that a program prints, compiled with the exported files in `folder`."""
+    (folder / "main.c").write_text(PROGRAM, encoding="utf-8")
+    subprocess.run([*command, "main.c", *sources, "-o", "main"], cwd=folder, check=True)
+    lines = subprocess.run([folder / "main"], check=True, capture_output=True, text=True).stdout.split()
+    count = len(load_definitions().value_names)
+    return [float.fromhex(line) for line in lines[:count]], [int(line) for line in lines[count:]]
+
+
+def float32_values(actuator: Actuator) -> tuple[list[float], list[int]]:
+    """Values as float32 and options."""
+    values, options = actuator.arrays()
+    return values.astype(np.float32).astype(float).tolist(), options.tolist()
 
 
 @given(st.floats(-1e30, 1e30, allow_nan=False))
-def test_literal_is_exact(value: float) -> None:
-    match = re.fullmatch(r"EMA_R\((.*)\)", literal(value))
-    assert match is not None
-    text = match.group(1)
-    assert (float.fromhex(text) if "x" in text else float(text)) == value
+def test_literal_is_decimal_and_has_the_float32_value(value: float) -> None:
+    text = literal(value)
+    assert re.fullmatch(r"-?\d+(\.\d+)?(e[-+]\d+)?f", text) and ("." in text or "e" in text)
+    assert np.float32(text[:-1]) == np.float32(value)
+    assert len(Decimal(text[:-1]).normalize().as_tuple().digits) <= 9
 
 
+@pytest.mark.parametrize("language", ["c", "c++"])
 @pytest.mark.parametrize("bits", [32, 64])
-def test_header_compiles_and_holds_the_values(tmp_path: Path, bits: int) -> None:
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
-    if not compiler:
-        pytest.skip("no C compiler: install one or name it in CC")
-    changes = {"screw.csj_Nm": 0.1 + 0.2, "stribeck_friction.rise": 1.0 / 3.0, "screw.load_torque_Nm": -1.0 / 7.0, "control.structure": 1}
-    actuator = reference_actuator().changed(changes)
+def test_header_compiles_and_holds_the_values(tmp_path: Path, bits: int, language: str) -> None:
+    actuator = reference_actuator().changed(CHANGES)
     (tmp_path / "actuator.h").write_text(header_text(actuator), encoding="utf-8")
-    (tmp_path / "main.c").write_text(PROGRAM, encoding="utf-8")
-    command = [compiler, *FLAGS, f"-DEMA_REAL64={int(bits == 64)}", f"-I{ROOT / 'include'}", "main.c", "-o", "main"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    lines = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True).stdout.split()
-    values, options = actuator.arrays()
-    expected = values.astype(np.float32).astype(float) if bits == 32 else values
-    assert [float.fromhex(line) for line in lines[: values.size]] == expected.tolist()
-    assert [int(line) for line in lines[values.size :]] == options.tolist()
+    assert printed_values(tmp_path, [*compiler_of(language), f"-DEMA_REAL64={int(bits == 64)}"]) == float32_values(actuator)
+
+
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_source_and_its_header_hold_the_values_once(tmp_path: Path, language: str) -> None:
+    command = compiler_of(language)
+    actuator = reference_actuator().changed(CHANGES)
+    actuator.write(tmp_path / "a.toml")
+    ran = run_ema("export", tmp_path / "a.toml", "-o", tmp_path / "actuator.c", "--json", tmp_path / "e.json")
+    assert ran.code == 0, ran.err
+    assert ran.out.split() == f"{tmp_path / 'actuator.c'} written, {tmp_path / 'actuator.h'} written".split()
+    result = json.loads((tmp_path / "e.json").read_text(encoding="utf-8"))
+    assert [Path(result[name]).name for name in ("source", "header")] == ["actuator.c", "actuator.h"]
+    assert printed_values(tmp_path, command, "actuator.c") == float32_values(actuator)
+    (tmp_path / "part.c").write_text(PART, encoding="utf-8")
+    (tmp_path / "parts.c").write_text(PARTS, encoding="utf-8")
+    for part in ("first", "second"):
+        subprocess.run([*command, f"-DPART={part}", "-c", "part.c", "-o", f"{part}.o"], cwd=tmp_path, check=True)
+    subprocess.run([*command, "parts.c", "actuator.c", "-x", "none", "first.o", "second.o", "-o", "parts"], cwd=tmp_path, check=True)
+    assert subprocess.run([tmp_path / "parts"], check=False).returncode == 0
+
+
+def test_cpp_program_links_the_source_compiled_as_c(tmp_path: Path) -> None:
+    c, cpp = compiler_of("c"), compiler_of("c++")
+    (tmp_path / "actuator.h").write_text(declaration_text(reference_actuator()), encoding="utf-8")
+    (tmp_path / "actuator.c").write_text(source_text(reference_actuator(), "actuator.h"), encoding="utf-8")
+    subprocess.run([*c, "-c", "actuator.c", "-o", "actuator.o"], cwd=tmp_path, check=True)
+    assert printed_values(tmp_path, cpp, "-x", "none", "actuator.o") == float32_values(reference_actuator())
+
+
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_header_of_signatures_compiles(tmp_path: Path, language: str) -> None:
+    (tmp_path / "main.c").write_text(
+        f'#include "{EXPORTED / "ace_signatures.h"}"\nint main(void) {{ return EMA_SIGNATURES.faults == 2U ? 0 : 1; }}\n'
+    )
+    subprocess.run([*compiler_of(language), "main.c", "-o", "main"], cwd=tmp_path, check=True)
+    subprocess.run([tmp_path / "main"], check=True)
+
+
+def test_no_header_beside_a_source_is_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "a.h").write_text("mine", encoding="utf-8")
+    assert complaint(run_ema("export", REFERENCE, "-o", tmp_path / "a.c")).endswith(
+        "a.h: exists already: choose another name or give --force"
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ["a.h"]
 
 
 def test_flat_text_is_read_by_the_host_program(tmp_path: Path) -> None:

@@ -57,8 +57,8 @@ def test_toml_export_and_library_page_carry_a_table(name: str, tmp_path: Path) -
     for field in ("gain", "first", "node_00", "node_15"):
         value = actuator[f"{name}.{field}"]
         assert f"effects.{name}.{field} = {value!r}" in flat_text(actuator)
-    block = header_text(actuator).split(f".{name} = {{")[1].split("},")[0]
-    assert len(re.findall(r"\.node_\d\d = EMA_R", block)) == 16
+    block = header_text(actuator).split(f"/* {name} */")[1].split("},")[0]
+    assert len(re.findall(r"f, /\* node_\d\d \*/", block)) == 16
     shown = run_ema("effects", name).out
     assert "node_15" in shown
     assert "table(axis)" in shown

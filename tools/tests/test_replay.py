@@ -145,8 +145,8 @@ def test_the_command_says_what_the_flight_said(flight: Flight, tmp_path: Path) -
 @pytest.mark.parametrize(
     ("old", "new", "part"),
     [
-        (".bins = ", ".bin = ", "no .bins"),
-        (".patterns = ", ".patterns = 1", "counts do not fit"),
+        ("/* bins */", "/* bin */", "no bins"),
+        ("U, /* patterns */", "1U, /* patterns */", "counts do not fit"),
         ("/* stribeck_friction */", "/* cogging_torque */", "another list of effects"),
         ("/* screw.csj_Nm */", "/* screw.blk_mm */", "another list of parameters"),
         ("static const int16_t ema_exported_values[] = {", "static const int16_t other[] = {", "no static const int16_t"),

@@ -221,7 +221,7 @@ def test_numbers_are_written_as_python_writes_them() -> None:
     (found,) = in_node([{"kind": "numbers", "numbers": packed(numbers)}], module=False)
     from ema_tools.tasks.export import literal
 
-    assert found["answer"] == [[repr(value), f"{value:.9g}", literal(value)] for value in numbers]
+    assert found["answer"] == [[repr(value), literal(value)] for value in numbers]
 
 
 def _csv(rows: int = 120, header: str = "time_s,command_mm,position_mm,current_A,note_1", change: tuple[int, str] | None = None) -> str:

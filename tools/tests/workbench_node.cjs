@@ -57,7 +57,7 @@ const kinds = {
     const valueOf = (row) => job.values[row.name] ?? row.value;
     return { toml: Text.toml(job.toml, job.rows, valueOf), header: Text.header(job.header, job.rows, valueOf) };
   },
-  numbers: (desk, job) => Array.from(unpacked(job.numbers), (value) => [Text.repr(value), Text.nine(value), Text.literal(value)]),
+  numbers: (desk, job) => Array.from(unpacked(job.numbers), (value) => [Text.repr(value), Text.literal(value)]),
 };
 
 (async () => {

@@ -843,7 +843,13 @@ def next_command(
 
 @cli.command(cls=TakesHealthy, short_help="Write what firmware compiles in or reads from flash.")
 @click.argument("actuator")
-@click.option("-o", "--output", "out", metavar="FILE.h", help="The C header to write: static const ema_actuator_t EMA_ACTUATOR.")
+@click.option(
+    "-o",
+    "--output",
+    "out",
+    metavar="FILE.h|FILE.c",
+    help="The file to write: a header with static const ema_actuator_t EMA_ACTUATOR, or a C source with one constant and its header FILE.h.",
+)
 @click.option("--flat", metavar="FILE.txt", help="Write section.field = value lines there too, for the host program.")
 @click.option(
     "--signatures",
@@ -895,7 +901,9 @@ def export(
         raise click.UsageError("--table takes the place of --signatures and its records: give one of the two")
     healthy = record_files(healthy)
     read = (actuator, *healthy, *filter(None, [table, beside]))
-    writable(out, flat, signatures, image, json_path=json_path, force=force, inputs=read)
+    header = str(Path(out).with_suffix(".h")) if out and out.endswith(".c") else out
+    source = out if out != header else None
+    writable(source, header, flat, signatures, image, json_path=json_path, force=force, inputs=read)
     model = read_actuator(actuator)
     work.check_for_firmware(model)
     made = None
@@ -910,8 +918,11 @@ def export(
             images.check_table(flown, work.fingerprint(model), table or image)
         units = images.joined(images.read_image(beside) if beside else [], images.unit_of(model, flown, name))
     data = images.image_bytes(units) if image else b""
-    if out:
-        write_text(out, work.header_text(model), force)
+    if source and header:
+        write_text(source, work.source_text(model, Path(header).name), force)
+        write_text(header, work.declaration_text(model), force)
+    elif header:
+        write_text(header, work.header_text(model), force)
     if flat:
         write_text(flat, work.flat_text(model), force)
     if signatures and text:
@@ -923,19 +934,20 @@ def export(
     found = ExportResult(
         "export",
         actuator,
-        out,
+        header,
         flat,
         model.active_effects,
         signatures if made else None,
         summary,
         warned or None,
         images.entry(image, data, units) if image else None,
+        source,
     )
     save(json_path, found, force)
     _warn_of_search(actuator, warned)
     if made and made.warning:
         complain(made.warning)
-    told = [f"{path} written" for path in (out, flat) if path]
+    told = [f"{path} written" for path in (source, header, flat) if path]
     if signatures and made:
         told.append(f"{signatures} written: {2 * made.numbers / 1024:.1f} KiB of signatures in {', '.join(made.signals)}")
     if image:

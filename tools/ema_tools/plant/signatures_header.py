@@ -16,13 +16,9 @@ from ema_tools.base.files import reason
 from ema_tools.library.definitions import load_definitions
 from ema_tools.plant.native import CHANNELS, Table
 
-_REAL = r"EMA_R\((-?(?:0x[01]\.[0-9a-f]+p[-+]\d+|\d+\.\d+))\)"
+_REAL = r"(-?\d+(?:\.\d+)?(?:e[-+]\d+)?)f"
 _PATTERN = re.compile(rf"\{{(\d+), (\d+), ([12]), (true|false), \{{{_REAL}, {_REAL}, {_REAL}\}}, {_REAL}\}}, /\* (\w+) \*/")
 _FAULT = re.compile(rf"\{{(\d+), (\d+), {_REAL}, {_REAL}, {_REAL}\}}, /\* ([\w.]+) \*/")
-
-
-def _number(text: str) -> float:
-    return float.fromhex(text) if "0x" in text else float(text)
 
 
 class _Header:
@@ -36,11 +32,11 @@ class _Header:
         return InputError(f"{self.path}: {what}: give the header as `ema export --signatures` wrote it")
 
     def block(self, head: str, end: str) -> list[str]:
-        """The lines between `head` and `end`."""
-        begin = self.text.find(f"{head} = {{\n")
+        """The lines between the line that ends with `head` and `end`."""
+        begin = self.text.find(f"{head}\n")
         close = self.text.find(f"\n{end}", begin)
         if begin < 0 or close < 0:
-            raise self.fail(f"no {head}")
+            raise self.fail(f"no {head.strip()}")
         return [line.strip() for line in self.text[begin:close].splitlines()[1:]]
 
     def rows(self, head: str, end: str, row: re.Pattern[str]) -> Iterator[re.Match[str]]:
@@ -53,10 +49,10 @@ class _Header:
 
     def field(self, name: str, value: str) -> re.Match[str]:
         """The member `name` of the table."""
-        found = re.findall(rf"^    \.{name} = (.*),$", self.text, re.MULTILINE)
+        found = re.findall(rf"^    (.*), /\* {name} \*/$", self.text, re.MULTILINE)
         match = re.fullmatch(value, found[0]) if len(found) == 1 else None
         if match is None:
-            raise self.fail(f"no .{name}")
+            raise self.fail(f"no {name}")
         return match
 
     def count(self, name: str) -> int:
@@ -65,11 +61,11 @@ class _Header:
 
     def real(self, name: str) -> float:
         """A real number."""
-        return _number(self.field(name, _REAL)[1])
+        return float(self.field(name, _REAL)[1])
 
     def reals(self, name: str) -> tuple[float, ...]:
         """Real numbers in braces."""
-        return tuple(_number(text) for text in re.findall(_REAL, self.field(name, rf"\{{{_REAL}(?:, {_REAL})*\}}")[0]))
+        return tuple(float(text) for text in re.findall(_REAL, self.field(name, rf"\{{{_REAL}(?:, {_REAL})*\}}")[0]))
 
 
 def read_signatures(path: str | Path) -> Table:
@@ -88,17 +84,17 @@ def signatures_in(text: str, file: Path) -> Table:
     known = load_definitions()
     effects, ids = [effect.name for effect in known.effects], known.ids
     patterns, faults = [], []
-    for row in header.rows("static const ema_pattern_t ema_exported_patterns[]", "};", _PATTERN):
+    for row in header.rows("static const ema_pattern_t ema_exported_patterns[] = {", "};", _PATTERN):
         place = int(row[1])
         if place >= len(effects) or effects[place] != row[9]:
             raise InputError(f"{file}: {row[9]}: the table was made with another list of effects: export it again")
-        patterns.append([place, int(row[2]), int(row[3]), row[4] == "true", *map(_number, row.groups()[4:8])])
-    for row in header.rows("    .fault", "    },", _FAULT):
+        patterns.append([place, int(row[2]), int(row[3]), row[4] == "true", *map(float, row.groups()[4:8])])
+    for row in header.rows("    { /* fault */", "    },", _FAULT):
         if ids.get(row[6]) != int(row[1]):
             raise InputError(f"{file}: {row[6]}: the table was made with another list of parameters: export it again")
-        faults.append([int(row[1]), int(row[2]), *map(_number, row.groups()[2:5])])
-    units = " ".join(header.block("static const ema_real ema_exported_units[]", "};"))
-    values = " ".join(header.block("static const int16_t ema_exported_values[]", "};"))
+        faults.append([int(row[1]), int(row[2]), *map(float, row.groups()[2:5])])
+    units = " ".join(header.block("static const ema_real ema_exported_units[] = {", "};"))
+    values = " ".join(header.block("static const int16_t ema_exported_values[] = {", "};"))
     if not re.fullmatch(rf"(?:{_REAL}, ?)+", units) or not re.fullmatch(r"(?:-?\d{1,5}, ?)+", values):
         raise header.fail("numbers are missing")
     channels = tuple(int(place) for place in header.field("channel", r"\{(\d(?:, \d)*)\}")[1].split(", "))
@@ -119,7 +115,7 @@ def signatures_in(text: str, file: Path) -> Table:
         energy=header.real("energy"),
         patterns=np.array(patterns, dtype=np.float64),
         faults=np.array(faults, dtype=np.float64).reshape(len(faults), 5),
-        unit=np.array([_number(text) for text in re.findall(_REAL, units)]),
+        unit=np.array([float(text) for text in re.findall(_REAL, units)]),
         value=numbers.astype(np.int16),
     )
     counts = {"patterns": len(patterns), "faults": len(faults), "rows": len(table.unit), "channels": len(channels)}

@@ -72,6 +72,7 @@ class ExportResult:
     table: SignatureTable | None = field(default=None, metadata=SPARE)
     warnings: tuple[str, ...] | None = field(default=None, metadata=SPARE)  # why the search would not reach its lowest cost
     image: ImageEntry | None = field(default=None, metadata=SPARE)
+    source: str | None = field(default=None, metadata=SPARE)  # file with the constant that the header declares
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """The configuration that firmware compiles in: what `ema export` writes.
 
-Numbers are hexadecimal literals of the float64 values, so that the compiler rounds each once to the module's type; the decimal stands beside it.
+Valid in C11 and C++11: initialisers without designators, each value followed by a comment with its field.
+Numbers are the shortest decimals that give the float32 value.
 """
 
 from __future__ import annotations
@@ -34,29 +35,20 @@ def check_for_firmware(actuator: Actuator) -> None:
 
 
 def literal(value: float) -> str:
-    """A C literal of the module's type with exactly this value before rounding."""
-    if value == int(value) and abs(value) < 1e6:
-        return f"EMA_R({value:.1f})"
-    sign, digits = ("-", (-value).hex()) if value < 0.0 else ("", value.hex())
-    return f"EMA_R({sign}{digits})"
-
-
-def _remark(row: Row, value: float, more: str = "") -> str:
-    unit = f" {row.unit}" if row.unit else ""
-    text = f"; {_in_comment(more)}" if more else ""
-    return f"/* {value:.9g}{unit}{text} */"
+    """The shortest C literal with the float32 value nearest to `value`."""
+    return f"{float(str(np.float32(value)))!r}f"
 
 
 def _lines(actuator: Actuator, rows: Iterable[Row], indent: str) -> list[str]:
     lines = []
     for row in rows:
         value = actuator[row.name]
+        number, remark = literal(value), ""
         if isinstance(row, Parameter) and row.is_option:
-            word = f" /* {row.choices[int(value)]} */" if row.choices else ""
-            lines.append(f"{indent}.{row.field} = {int(value)},{word}")
-        else:
-            more = actuator.remark(row.name) if row.name in MIN_SHIFTS.values() else ""
-            lines.append(f"{indent}.{row.field} = {literal(value)}, {_remark(row, value, more)}")
+            number, remark = str(int(value)), row.choices[int(value)] if row.choices else ""
+        elif row.name in MIN_SHIFTS.values():
+            remark = _in_comment(actuator.remark(row.name))
+        lines.append(f"{indent}{number}, /* {row.field}{': ' if remark else ''}{remark} */")
     return lines
 
 
@@ -79,31 +71,58 @@ def _refusal(what: str, arguments: str) -> list[str]:
     ]
 
 
-def header_text(actuator: Actuator) -> str:
-    """A C header with `static const ema_actuator_t EMA_ACTUATOR`."""
+def _head(actuator: Actuator) -> str:
+    return f"/* {_title(actuator)}: written by ema export. To change it, change the actuator's TOML file and export again. */"
+
+
+def _definition(actuator: Actuator) -> list[str]:
     known = load_definitions()
-    title = _title(actuator)
     lines = [
-        f"/* {title}: written by ema export. To change it, change the actuator's TOML file and export again. */",
+        f"const ema_actuator_t {_NAME} = {{",
+        "    { /* params */",
+        *_lines(actuator, known.reals, " " * 8),
+        "    },",
+        "    { /* options */",
+        *_lines(actuator, known.options, " " * 8),
+        "    },",
+        "    { /* effects */",
+    ]
+    for effect in known.effects:
+        lines += [f"        {{ /* {effect.name} */", *_lines(actuator, effect.parameters, " " * 12), "        },"]
+    return [*lines, "    },", "};", ""]
+
+
+def _header(actuator: Actuator, output: str, body: Sequence[str]) -> str:
+    lines = [
+        _head(actuator),
         f"#ifndef {_GUARD}",
         f"#define {_GUARD}",
         "",
         '#include "ema/ema.h"',
         "",
-        *_refusal(_NAME, "ACTUATOR -o FILE.h"),
-        f"static const ema_actuator_t {_NAME} = {{",
-        "    .params = {",
-        *_lines(actuator, known.reals, " " * 8),
-        "    },",
-        "    .options = {",
-        *_lines(actuator, known.options, " " * 8),
-        "    },",
-        "    .effects = {",
+        *_refusal(_NAME, f"ACTUATOR -o {output}"),
+        *body,
+        "#endif",
+        "",
     ]
-    for effect in known.effects:
-        lines += [f"        .{effect.name} = {{", *_lines(actuator, effect.parameters, " " * 12), "        },"]
-    lines += ["    },", "};", "", "#endif", ""]
     return "\n".join(lines)
+
+
+def header_text(actuator: Actuator) -> str:
+    """A C header with `static const ema_actuator_t EMA_ACTUATOR`: one constant in each file that includes it and uses it."""
+    first, *others = _definition(actuator)
+    return _header(actuator, "FILE.h", [f"static {first}", *others])
+
+
+def declaration_text(actuator: Actuator) -> str:
+    """A C header with `extern const ema_actuator_t EMA_ACTUATOR`, for C and C++."""
+    begin, end = (["#ifdef __cplusplus", line, "#endif", ""] for line in ('extern "C" {', "}"))
+    return _header(actuator, "FILE.c", [*begin, f"extern const ema_actuator_t {_NAME};", "", *end])
+
+
+def source_text(actuator: Actuator, header: str) -> str:
+    """The C source that defines what `declaration_text` declares; `header`: name of its file."""
+    return "\n".join([_head(actuator), f'#include "{header}"', "", *_definition(actuator)])
 
 
 def flat_text(actuator: Actuator) -> str:
@@ -182,29 +201,29 @@ def signatures_text(table: Signatures) -> str:
         *_array("static const ema_real ema_exported_units[]", [literal(float(value)) for value in unit], 4),
         *_array("static const int16_t ema_exported_values[]", [str(value) for value in values.ravel().tolist()], _LINE),
         f"static const ema_signatures_t {_SIGNATURES_NAME} = {{",
-        f"    .version = {_SIGNATURES_VERSION}U,",
-        f"    .fingerprint = {fingerprint(table.actuator)}U,",
-        f"    .record_rows = {table.record_rows}U,",
-        f"    .bin_rows = {table.bin_rows}U,",
-        f"    .bins = {table.bins}U,",
-        f"    .channels = {len(table.signals)}U,",
-        f"    .channel = {{{', '.join(str(CHANNELS.index(name)) for name in table.signals)}}},",
-        f"    .patterns = {len(table.patterns)}U,",
-        f"    .faults = {len(table.faults)}U,",
-        f"    .nuisances = {table.nuisances}U,",
-        f"    .rows = {len(table.rows)}U,",
-        f"    .command_unit_mm = {literal(float(command_unit[0]))},",
-        f"    .command_apart_mm = {literal(table.command_apart_mm)},",
-        f"    .reference = {_reals(reference_unit)},",
-        f"    .weight = {_reals(table.weight)},",
-        f"    .limit = {literal(table.limit)},",
-        f"    .energy = {literal(table.energy)},",
-        "    .fault = {",
+        f"    {_SIGNATURES_VERSION}U, /* version */",
+        f"    {fingerprint(table.actuator)}U, /* fingerprint */",
+        f"    {table.record_rows}U, /* record_rows */",
+        f"    {table.bin_rows}U, /* bin_rows */",
+        f"    {table.bins}U, /* bins */",
+        f"    {len(table.signals)}U, /* channels */",
+        f"    {{{', '.join(str(CHANNELS.index(name)) for name in table.signals)}}}, /* channel */",
+        f"    {len(table.patterns)}U, /* patterns */",
+        f"    {len(table.faults)}U, /* faults */",
+        f"    {table.nuisances}U, /* nuisances */",
+        f"    {len(table.rows)}U, /* rows */",
+        f"    {literal(float(command_unit[0]))}, /* command_unit_mm */",
+        f"    {literal(table.command_apart_mm)}, /* command_apart_mm */",
+        f"    {_reals(reference_unit)}, /* reference */",
+        f"    {_reals(table.weight)}, /* weight */",
+        f"    {literal(table.limit)}, /* limit */",
+        f"    {literal(table.energy)}, /* energy */",
+        "    { /* fault */",
         *faults,
         "    },",
-        "    .pattern = ema_exported_patterns,",
-        "    .unit = ema_exported_units,",
-        "    .value = ema_exported_values,",
+        "    ema_exported_patterns, /* pattern */",
+        "    ema_exported_units, /* unit */",
+        "    ema_exported_values, /* value */",
         "};",
         "",
         "#endif",

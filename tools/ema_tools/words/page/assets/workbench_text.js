@@ -18,25 +18,12 @@ const EmaText = (() => {
     return `${sign}${whole}.${digits.slice(exponent + 1) || "0"}`;
   }
 
-  // "%.9g"
-  function nine(value) {
-    if (value === 0) return Object.is(value, -0) ? "-0" : "0";
-    const [mantissa, power] = value.toExponential(8).split("e");
-    const exponent = Number(power);
-    const short = (text) => (text.includes(".") ? text.replace(/0+$/, "").replace(/\.$/, "") : text);
-    if (exponent < -4 || exponent >= 9) return `${short(mantissa)}e${exponent < 0 ? "-" : "+"}${String(Math.abs(exponent)).padStart(2, "0")}`;
-    return short(value.toFixed(Math.max(8 - exponent, 0)));
-  }
-
-  // A C literal with exactly this value, hexadecimal as float.hex() writes it.
+  // The shortest C literal with the float32 value nearest to `value`.
   function literal(value) {
-    if (Number.isInteger(value) && Math.abs(value) < 1e6) return `EMA_R(${value.toFixed(1)})`;
-    const view = new DataView(new ArrayBuffer(8));
-    view.setFloat64(0, Math.abs(value));
-    const bits = view.getBigUint64(0);
-    const exponent = Number(bits >> 52n) - 1023;
-    const fraction = (bits & 0xfffffffffffffn).toString(16).padStart(13, "0");
-    return `EMA_R(${value < 0 ? "-" : ""}0x1.${fraction}p${exponent < 0 ? "-" : "+"}${Math.abs(exponent)})`;
+    const single = Math.fround(value);
+    let digits = 1;
+    while (Math.fround(Number(single.toPrecision(digits))) !== single) digits += 1;
+    return `${repr(Number(single.toPrecision(digits)))}f`;
   }
 
   function place(lines, heading) {
@@ -89,17 +76,17 @@ const EmaText = (() => {
   function header(text, rows, valueOf) {
     const lines = text.split("\n");
     for (const row of rows) {
-      const block = row.table.startsWith("effects.") ? `.${row.table.slice("effects.".length)} = {` : ".params = {";
-      const first = lines.findIndex((line) => line.trim() === block);
-      const at = lines.findIndex((line, k) => k > first && line.trim().startsWith(`.${row.field} = `));
       const value = valueOf(row);
       if (value === row.value) continue;
-      const indent = lines[at].slice(0, lines[at].indexOf("."));
-      lines[at] = `${indent}.${row.field} = ${literal(value)}, /* ${nine(value)}${row.unit ? ` ${row.unit}` : ""} */`;
+      const block = `{ /* ${row.table.startsWith("effects.") ? row.table.slice("effects.".length) : "params"} */`;
+      const first = lines.findIndex((line) => line.trim() === block);
+      const remark = `, /* ${row.field} */`;
+      const at = lines.findIndex((line, k) => k > first && line.endsWith(remark));
+      lines[at] = `${/^ */.exec(lines[at])[0]}${literal(value)}${remark}`;
     }
     return lines.join("\n");
   }
 
-  return { repr, nine, literal, toml, header };
+  return { repr, literal, toml, header };
 })();
 if (typeof module !== "undefined") module.exports = EmaText;
