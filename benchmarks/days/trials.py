@@ -95,6 +95,11 @@ def judged(trial: Trial, answer: SealedAnswer) -> str:
     return "part" if any(found) else "unnamed"
 
 
+def _is_there(trial: Trial, alike: Sequence[str]) -> bool:
+    """Whether a name or a look-alike of it is hidden, or stands in every machine where nobody has said so."""
+    return any(set(alike) & right for right in (*trial.names, *([] if trial.baseline else [STANDING])))
+
+
 def perform(trial: Trial) -> dict[str, Any]:
     """The row of one trial."""
     today = record(trial.number, (trial.number, 0), trial.changes(), trial.days)
@@ -109,5 +114,6 @@ def perform(trial: Trial) -> dict[str, Any]:
         "refused": answer.refused,
         "error": dict(answer.error),
         "judged": judged(trial, answer),
+        "probabilities": [[one.probability, _is_there(trial, one.alike)] for one in answer.said if one.probability],
         "run_s": answer.run_s,
     }

@@ -56,7 +56,7 @@ def diagnosed(actuator: Actuator, record: Record, healthy: Sequence[Record] = ()
 
 @dataclass(frozen=True)
 class Said:
-    """One name of the result: its class (itself first), values and standard errors by field where it was fitted."""
+    """One name of the result: its class (itself first), values and standard errors by field where it was fitted, and its probability where one is stated."""
 
     name: str
     alike: tuple[str, ...]
@@ -64,6 +64,7 @@ class Said:
     std: Mapping[str, float]
     score: float
     accepted: bool
+    probability: float | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,9 @@ def record_of(run: Recording, number: int, channels: Sequence[str] | None = None
 def _said(one: Mapping[str, Any]) -> Said:
     alike = (*one["class"], *one.get("looks_like_fault", ()))
     ordered = (one["name"], *(name for name in alike if name != one["name"]))
-    return Said(one["name"], ordered, dict(one["parameters"]), dict(one["std"]), float(one["score"]), bool(one["accepted"]))
+    return Said(
+        one["name"], ordered, dict(one["parameters"]), dict(one["std"]), float(one["score"]), bool(one["accepted"]), one.get("probability")
+    )
 
 
 def read(result: Mapping[str, Any], run_s: float = 0.0, cpu_s: float = 0.0) -> SealedAnswer:

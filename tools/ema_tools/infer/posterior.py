@@ -5,17 +5,17 @@ deviations. The evidence of S by Laplace's method (D. J. C. MacKay, "Bayesian in
 
     ln L(S, M) = ln odds(S) + ln p(M | S) - (k/2) ln s^2 - (D - noise) / (2 s^2) - Z/2 + ln p(v) + (q/2) ln 2 pi - 1/2 ln det(H / s^2 + P),    s^2 = 1 + M / k,
 
-with v the q fitted values, H the curvature of the cost about them, P the precision of their priors, and z at the least D / s^2 + z'z, which is in closed form where D is a parabola. No model has exactly the form of the machine: M is the energy of the discrepancy, in units of
-the noise's variance, along k directions (after M. C. Kennedy, A. O'Hagan, "Bayesian calibration of computer models", J. Royal Statistical Society B 63, 2001). Its amplitude is half-normal: of a machine
-that is known by its data sheet a share of the noise, of a cause a share of what that cause explains. More than that is an unnamed cause, with a prior of its own and an energy up to all that
-the empty set leaves. The distance of a unit from its data sheet has one scale that is common to its parameters, with a scaled inverse chi-square prior of `_UNITS` values; integrated out, it
-gives Z in place of z'z.
+with v the q fitted values, H the curvature of the cost about them, P the precision of their priors, and z where D / s^2 + z'z is least, in closed form, as D is a parabola. No model has exactly
+the form of the machine: M is the energy of the discrepancy along k directions, in units of the noise's variance (after M. C. Kennedy, A. O'Hagan, "Bayesian calibration of computer models", J. Royal
+Statistical Society B 63, 2001). Its amplitude is half-normal: of a machine that is known by its data sheet a share of the noise, of a cause a share of what that cause explains. More than that is an
+unnamed cause, with a prior of its own and an energy up to all that the empty set leaves. The parameters of a unit have one scale in common for their distance from the data sheet, with a scaled
+inverse chi-square prior of `_UNITS` values; integrated out over those that the record determines, it gives Z in place of z'z.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,13 +48,14 @@ _NEXT_ENERGY = 4.0
 @dataclass(frozen=True)
 class Nuisance:
     """The cost as a parabola in the nuisance parameters: `least`, at `best` [n] in the coordinates of the columns `axes` [n, n], where it has the curvatures `rates` [n], priors of 1 included.
-    `of_unit` [n]: whether a parameter is a distance from the data sheet."""
+    `of_unit` [n]: whether a parameter is a distance from the data sheet; `determined`: how many of these the record determines."""
 
     least: float
     best: Reals
     axes: Reals
     rates: Reals
     of_unit: Bools
+    determined: float
 
     def costs(self, square: float) -> tuple[float, float]:
         """Cost D of the data, and Z of the parameters, where D / square and the parameters' own cost together are least."""
@@ -62,7 +63,7 @@ class Nuisance:
         values = self.axes @ moved
         data = self.least + float(self.rates @ (moved - self.best) ** 2) - float(values @ values)
         unit = float(np.sum(values[self.of_unit] ** 2))
-        common = (_UNITS + float(self.of_unit.sum())) * math.log1p(unit / _UNITS)
+        common = (_UNITS + self.determined) * math.log1p(unit / _UNITS)
         return data, float(values @ values) - unit + common
 
 
@@ -109,7 +110,12 @@ def fitted_sets(fits: Iterable[Fit]) -> list[FittedSet]:
         if not any(is_size(name) and effect_of(name) not in FAULTS for name in fit.at_bound):
             deviations = fit.view.best_deviations(fit.view.moved(fit.values), reach=np.inf)
             found.append(
-                FittedSet(frozenset(fit.effects), fit.values, np.linalg.pinv(fit.covariance), _nuisance(fit.view, deviations, fit.cost))
+                FittedSet(
+                    frozenset(fit.effects),
+                    fit.values,
+                    np.asarray(np.linalg.pinv(fit.covariance), dtype=float),
+                    _nuisance(fit.view, deviations, fit.cost),
+                )
             )
     return found
 
@@ -118,10 +124,13 @@ def _nuisance(view: View, deviations: Reals, cost: float) -> Nuisance:
     rates, axes = np.linalg.eigh(view.nuisance_curvature)
     spread = view.evidence.spread
     of_unit = np.array([place < len(spread) and spread[place].title not in WORN for place in range(deviations.size)])
-    return Nuisance(cost, axes.T @ deviations, axes, rates, of_unit)
+    doubt = axes[of_unit] ** 2 @ (1.0 / rates)
+    return Nuisance(cost, axes.T @ deviations, axes, rates, of_unit, float(np.sum(1.0 - doubt)))
 
 
-def posterior(actuator: Actuator, empty: FittedSet, sets: Sequence[FittedSet], noise: float, numbers: int, reach_mm: float, peak_A: float) -> Posterior:
+def posterior(
+    actuator: Actuator, empty: FittedSet, sets: Sequence[FittedSet], noise: float, numbers: int, reach_mm: float, peak_A: float
+) -> Posterior:
     """Weighs the `empty` set and the fitted ones. `noise`: the cost of sensor noise alone; `numbers`: independent numbers in the record's signals; `reach_mm`, `peak_A`: of command and current."""
     best: dict[frozenset[str], FittedSet] = {}
     for one in sorted((empty, *sets), key=lambda fitted: fitted.cost):
@@ -177,7 +186,9 @@ def _terms(
         data_cost, nuisance_cost = fitted.nuisance.costs(square)
         return known - 0.5 * (_DIRECTIONS * math.log(square) + max(data_cost - noise, 0.0) / square + nuisance_cost + volume)
 
-    form = max((_CONTACT_FORM if cause in FAULTS or record_of(cause).bending is not None else _FORM for cause in fitted.causes), default=0.0)
+    form = max(
+        (_CONTACT_FORM if cause in FAULTS or record_of(cause).bending is not None else _FORM for cause in fitted.causes), default=0.0
+    )
     energy = _MACHINE * numbers + form**2 * max(empty.cost - fitted.cost, 0.0)
     shares = np.exp(-0.5 * _AMPLITUDES**2) * np.gradient(_AMPLITUDES)
     shares *= (1.0 - _UNNAMED) / shares.sum()

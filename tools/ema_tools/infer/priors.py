@@ -78,6 +78,8 @@ def _uniform(width: float) -> ValuePrior:
 def log_choices(values: Collection[str]) -> float:
     """Logarithm of the number of choices among which the discrete values of a fit were picked: numbers of periods per turn."""
     counts = [
-        len(periodic.periods) for name in values if name.endswith(".periods") and (periodic := record_of(effect_of(name)).periodic) is not None
+        len(periodic.periods)
+        for name in values
+        if name.endswith(".periods") and (periodic := record_of(effect_of(name)).periodic) is not None
     ]
     return sum(math.log(max(count, 1)) for count in counts)

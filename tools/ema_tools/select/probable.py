@@ -23,9 +23,7 @@ def weighed(path: Path, strategy: Strategy) -> Diagnosis:
     pool = best_of_each([*(fit for made in path.rounds for fit in made.fits), *path.steps])
     empty = fitted_set(strategy.places()[-1])
     reach_mm = float(np.max(np.abs(evidence.record.command_mm)))
-    found = posterior(
-        evidence.actuator, empty, fitted_sets(pool), evidence.floor, evidence.numbers, reach_mm, _peak_A(evidence)
-    )
+    found = posterior(evidence.actuator, empty, fitted_sets(pool), evidence.floor, evidence.numbers, reach_mm, _peak_A(evidence))
     steps = _steps(found.accepted, pool, strategy)
     verdict = "missing" if steps else "unknown" if found.unnamed > UNNAMED else "adequate"
     best = steps[-1] if steps else path.steps[-1] if verdict == "unknown" and path.steps else None
@@ -65,9 +63,7 @@ def _best_with(cause: str, pool: Sequence[Fit]) -> Fit:
     return min((fit for fit in pool if cause in fit.effects), key=lambda fit: fit.cost)
 
 
-def _named(
-    path: Path, strategy: Strategy, found: Posterior, best: Fit | None, steps: Sequence[Fit], accepted: bool
-) -> tuple[Named, ...]:
+def _named(path: Path, strategy: Strategy, found: Posterior, best: Fit | None, steps: Sequence[Fit], accepted: bool) -> tuple[Named, ...]:
     """The causes of the answer in their order, then the others, the most probable first."""
     listed: list[Named] = []
     limits = {effect: limit for made in reversed(path.rounds) for effect, limit in made.limits.items()}
@@ -81,7 +77,14 @@ def _named(
         std = {name: value for name, value in best.std.items() if name in values}
         listed.append(
             Named(
-                effect, alike, values, std, cost - fit.cost, limits.get(effect, strategy.limit), accepted, found.probability.get(effect, 0.0)
+                effect,
+                alike,
+                values,
+                std,
+                cost - fit.cost,
+                limits.get(effect, strategy.limit),
+                accepted,
+                found.probability.get(effect, 0.0),
             )
         )
         cost = fit.cost
