@@ -122,19 +122,27 @@ def test_what_nearly_every_machine_has_is_more_probable_beforehand() -> None:
 
 def test_noise_is_what_goes_along_with_no_other_signal() -> None:
     random = np.random.default_rng(5)
-    rows, keeps = 10_000, 0.95
-    white = random.normal(size=(3, rows))
-    lasting = signal.lfilter([math.sqrt(1.0 - keeps**2)], [1.0, -keeps], white[0])
+    rows, keeps, slow = 10_000, 0.95, 0.98
+    shares, levels = np.array([1.0, -2.0, 0.5]), np.array([1.0, 0.1, 0.2])
+    noise = levels[:, None] * random.normal(size=(3, rows))
+    noise[0] = signal.lfilter([math.sqrt(1.0 - keeps**2)], [1.0, -keeps], noise[0])
     # what a model lacks, slow and much larger than the noise, is in all signals
-    missing = 5.0 * signal.lfilter([0.02], [1.0, -0.98], random.normal(size=rows))
-    power = incoherent_power(np.array([lasting, 0.1 * white[1], 0.2 * white[2]]) + np.outer([1.0, -2.0, 0.5], missing))
-    true = (1.0 - keeps**2) / np.abs(1.0 - keeps * np.exp(-1j * np.linspace(0.0, np.pi, lines_of(rows)))) ** 2
-    assert power.shape == (3, lines_of(rows))
-    for place, one in enumerate((true, np.full(true.size, 0.01), np.full(true.size, 0.04))):
+    missing = 5.0 * signal.lfilter([1.0 - slow], [1.0, -slow], random.normal(size=rows))
+    found = incoherent_power(noise + np.outer(shares, missing))
+    turn = np.exp(-1j * np.linspace(0.0, np.pi, lines_of(rows)))
+    own = np.outer(levels**2, np.ones(turn.size))
+    own[0] = (1.0 - keeps**2) / np.abs(1.0 - keeps * turn) ** 2
+    common = 25.0 * (1.0 - slow) ** 2 / np.abs(1.0 - slow * turn) ** 2
+    assert found.shape == own.shape
+    for place in range(3):
+        # the others tell what is common only as well as their own noise lets them
+        others = [other for other in range(3) if other != place]
+        doubt = 1.0 / (1.0 / common + np.sum(shares[others, None] ** 2 / own[others], axis=0))
+        expected = own[place] + shares[place] ** 2 * doubt
         # the lowest band has about sixty independent values: three standard deviations of their mean
         for first in (40, 80, 160, 320, 640, 1280, 2500):
             band = slice(first, 2 * first)
-            assert np.mean(power[place, band]) == pytest.approx(float(np.mean(one[band])), rel=0.4)
+            assert np.mean(found[place, band]) == pytest.approx(float(np.mean(expected[band])), rel=0.4)
 
 
 def test_two_signals_that_are_the_same_have_no_noise() -> None:
