@@ -83,8 +83,9 @@ def noise_between(left: Reals, least: Reals) -> Reals:
 def incoherent_power(residual: Reals) -> Reals:
     """Noise power [channels, lines_of(rows)] of each signal: of its residual [channels, rows] what goes along with no other signal's.
 
-    That is one over the diagonal of the inverse cross-spectral matrix (D. R. Brillinger, Time Series: Data Analysis and Theory, 1981, ch. 8), averaged over half-overlapping Hann windows and over
-    neighbouring lines. What a model lacks moves all signals of a control loop together, and the noise of a sensor moves one. The noise of the others adds to it where it hides what they have in common.
+    That is one over the diagonal of the inverse cross-spectral matrix (D. R. Brillinger, Time Series: Data Analysis and Theory, 1981, ch. 8), averaged over half-overlapping Hann windows and
+    neighbouring lines. What a model lacks moves all signals of a control loop together, and the noise of a sensor moves one. The noise of the others adds to it where it hides what they have in
+    common.
     """
     channels, rows = residual.shape
     length = rows // _WINDOWS
