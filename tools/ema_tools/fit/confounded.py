@@ -21,7 +21,7 @@ from ema_tools.library.registry import record_of, records
 
 _LOOSE = 100.0  # spreads to which the twin of an effect is let go: it is then free [judgement]
 _ROUNDS = 6  # of linear steps to where it is best [effort]
-_WORTH = 2.5  # prior standard deviations that an effect must save to be tried in place of a parameter [effort]
+_WORTH = 1.0  # prior standard deviations that an effect must save to be tried in place of a parameter [effort]
 
 
 def confounded_parameter(name: str) -> ConfoundedParameter | None:

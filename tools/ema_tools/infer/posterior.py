@@ -31,7 +31,7 @@ from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
 
-ACCEPTED = 0.8  # probability from which on a cause, or one of several look-alikes, is accepted [judgement]
+ACCEPTED = 0.7  # probability from which on a cause, or one of several look-alikes, is accepted [judgement]
 _LEADS = 0.5  # probability of the first of several look-alikes that is accepted in their name [judgement]
 REPORTED = 0.01  # probability from which on a look-alike is reported [judgement]
 _DIRECTIONS = 20.0  # along which a wrong form errs [judgement]
@@ -40,9 +40,15 @@ _FORM = 0.1  # discrepancy of a cause: amplitude over that of what it explains, 
 _CONTACT_FORM = 0.35  # .. and of a contact that yields, whose forms are many [judgement]
 _UNNAMED = 0.003  # prior probability of a cause that the library does not hold [judgement]
 _UNITS = 4.0  # values whose usual distance from a data sheet counts as known [judgement]
-# Amplitudes of the discrepancy over its standard deviation at which it is integrated, and factor from one energy of an unnamed cause to the next [precision]
-_AMPLITUDES = np.array([0.01, 0.03, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0])
+# Amplitudes of the discrepancy over its standard deviation at which it is integrated: the model is rough and its noise estimated, so that it is never none; and factor from one energy of an
+# unnamed cause to the next [precision]
+_AMPLITUDES = np.array([0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0])
 _NEXT_ENERGY = 4.0
+
+
+def in_noise(excess: float) -> float:
+    """Cost that counts as one of noise where a fit leaves so much above the noise, and its discrepancy is taken for the reason."""
+    return 1.0 + max(excess, 0.0) / _DIRECTIONS
 
 
 @dataclass(frozen=True)
@@ -132,6 +138,8 @@ def posterior(
     actuator: Actuator, empty: FittedSet, sets: Sequence[FittedSet], noise: float, numbers: int, reach_mm: float, peak_A: float
 ) -> Posterior:
     """Weighs the `empty` set and the fitted ones. `noise`: the cost of sensor noise alone; `numbers`: independent numbers in the record's signals; `reach_mm`, `peak_A`: of command and current."""
+    # what the best set leaves below the expected noise is the noise of this record
+    noise = min(noise, *(one.nuisance.costs(1.0)[0] for one in (empty, *sets)), noise)
     best: dict[frozenset[str], FittedSet] = {}
     for one in sorted((empty, *sets), key=lambda fitted: fitted.cost):
         best.setdefault(one.causes, one)
@@ -181,7 +189,7 @@ def _terms(
     known -= log_choices(fitted.values)
 
     def log_evidence(energy: float) -> float:
-        square = 1.0 + energy / _DIRECTIONS
+        square = in_noise(energy)
         volume = float(np.linalg.slogdet(curvature / square + precision)[1]) if priors else 0.0
         data_cost, nuisance_cost = fitted.nuisance.costs(square)
         return known - 0.5 * (_DIRECTIONS * math.log(square) + max(data_cost - noise, 0.0) / square + nuisance_cost + volume)

@@ -8,11 +8,11 @@ import numpy as np
 
 from ema_tools.fit.evidence import Evidence, settled, simulate_channels
 from ema_tools.fit.refit import Fit, best_of_each, jointly, refit
-from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, posterior
+from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, in_noise, posterior
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.outcome import Diagnosis, Named, Path
-from ema_tools.select.strategies.strategy import Strategy
+from ema_tools.select.strategies.strategy import ALIKE, Strategy
 
 UNNAMED = 0.5  # probability of an unnamed cause from which on the verdict is unknown [judgement]
 
@@ -30,9 +30,10 @@ def weighed(path: Path, strategy: Strategy) -> Diagnosis:
     steps = steps or ((best,) if best is not None else ())
     cost = best.cost if best is not None else strategy.before
     unexplained = max(cost - strategy.floor, 0.0) / strategy.excess
+    doubt = ALIKE * in_noise(cost - strategy.floor)
     named = _named(path, strategy, found, best, steps, verdict == "missing")
     return Diagnosis(
-        verdict, best, named, path.rounds, steps, strategy.before, cost, strategy.floor, unexplained, strategy.limit, unnamed=found.unnamed
+        verdict, best, named, path.rounds, steps, strategy.before, cost, strategy.floor, unexplained, strategy.limit, doubt, found.unnamed
     )
 
 
