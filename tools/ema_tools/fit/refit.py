@@ -15,7 +15,7 @@ from ema_tools.data.records import Record
 from ema_tools.fit import bounded
 from ema_tools.fit.bounded import PROMISE, FreeValue, OneSided, Stop
 from ema_tools.fit.evidence import ROUGHNESS, Evidence, View, settled
-from ema_tools.fit.misfit import misfit, whole_std
+from ema_tools.fit.misfit import DIRECTIONS, misfit, whole_std
 from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
@@ -71,7 +71,12 @@ class Fit:
         found = {}
         for k, name in enumerate(self.fitted):
             by_noise = float(np.sqrt(max(self.covariance[k, k], 0.0)))
-            std = whole_std(by_noise, left, name, self.values[name] - known[row_of(name).name])
+            change = self.values[name] - known[row_of(name).name]
+            if evidence.relative:
+                std = whole_std(by_noise, left, name, change)
+            else:
+                # the form of the whole machine errs, and not of one effect; what a parameter does as well is known as the data sheet knows that one
+                std = whole_std(by_noise, 0.0 if _is_confounded(name) else left, name, change, 1.0 / DIRECTIONS)
             found[name] = max(std, _least_std(evidence, name))
         return found
 
@@ -94,6 +99,10 @@ class Fit:
     def of_effect(self, effect: str) -> dict[str, float]:
         """Values of one effect."""
         return {name: value for name, value in self.values.items() if effect_of(name) == effect}
+
+
+def _is_confounded(name: str) -> bool:
+    return is_size(name) and record_of(effect_of(name)).confounded is not None
 
 
 def _least_std(evidence: Evidence, name: str) -> float:

@@ -24,6 +24,7 @@ from scipy.special import logsumexp
 from ema_tools.base.arrays import Bools, Reals
 from ema_tools.data.actuator import Actuator
 from ema_tools.fit.evidence import View
+from ema_tools.fit.misfit import DIRECTIONS, in_noise
 from ema_tools.fit.nuisance import WORN
 from ema_tools.fit.refit import Fit
 from ema_tools.infer.priors import log_choices, log_odds, value_prior
@@ -33,8 +34,7 @@ from ema_tools.library.registry import record_of
 
 ACCEPTED = 0.7  # probability from which on a cause, or one of several look-alikes, is accepted [judgement]
 _LEADS = 0.5  # probability of the first of several look-alikes that is accepted in their name [judgement]
-REPORTED = 0.01  # probability from which on a look-alike is reported [judgement]
-_DIRECTIONS = 20.0  # along which a wrong form errs [judgement]
+REPORTED = 0.1  # probability from which on a look-alike is reported [judgement]
 _MACHINE = 0.1  # discrepancy of a unit's model: energy over that of the noise, one standard deviation of the amplitude squared [judgement]
 _FORM = 0.1  # discrepancy of a cause: amplitude over that of what it explains, one standard deviation .. [judgement]
 _CONTACT_FORM = 0.35  # .. and of a contact that yields, whose forms are many [judgement]
@@ -44,11 +44,6 @@ _UNITS = 4.0  # values whose usual distance from a data sheet counts as known [j
 # unnamed cause to the next [precision]
 _AMPLITUDES = np.array([0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0])
 _NEXT_ENERGY = 4.0
-
-
-def in_noise(excess: float) -> float:
-    """Cost that counts as one of noise where a fit leaves so much above the noise, and its discrepancy is taken for the reason."""
-    return 1.0 + max(excess, 0.0) / _DIRECTIONS
 
 
 @dataclass(frozen=True)
@@ -192,7 +187,7 @@ def _terms(
         square = in_noise(energy)
         volume = float(np.linalg.slogdet(curvature / square + precision)[1]) if priors else 0.0
         data_cost, nuisance_cost = fitted.nuisance.costs(square)
-        return known - 0.5 * (_DIRECTIONS * math.log(square) + max(data_cost - noise, 0.0) / square + nuisance_cost + volume)
+        return known - 0.5 * (DIRECTIONS * math.log(square) + max(data_cost - noise, 0.0) / square + nuisance_cost + volume)
 
     form = max(
         (_CONTACT_FORM if cause in FAULTS or record_of(cause).bending is not None else _FORM for cause in fitted.causes), default=0.0

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ema_tools.fit.evidence import Evidence, settled, simulate_channels
+from ema_tools.fit.misfit import in_noise
 from ema_tools.fit.refit import Fit, best_of_each, jointly, refit
-from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, in_noise, posterior
+from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, posterior
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.outcome import Diagnosis, Named, Path

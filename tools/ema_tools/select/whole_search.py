@@ -1,17 +1,47 @@
-"""What the whole search of effects says of a record beside healthy ones, where none that was fitted beside CSJ and BLK alone explains it."""
+"""The whole search of effects on a record: as `ema diagnose` makes it, and what it says beside healthy records where none that was fitted beside CSJ and BLK alone explains one."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
-from ema_tools.fit.evidence import Evidence
+from ema_tools.base.progress import Report, untold
+from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled
+from ema_tools.fit.misfit import misfit
+from ema_tools.fit.nuisance import are_slight
+from ema_tools.fit.refit import seen_from
 from ema_tools.library.faults import FAULTS
 from ema_tools.library.registry import record_of
-from ema_tools.select.outcome import Named
+from ema_tools.select.baseline import granting, with_noise_of
+from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
+
+
+def diagnosed(evidence: Evidence, report: Report = untold, only: Collection[str] | None = None) -> tuple[Evidence, Diagnosis]:
+    """The search among all effects and faults, or `only` these, and the evidence that it rests on.
+
+    Without baseline records one effect is sought first: if it leaves more than white noise, the search goes on with the noise that the residual shows. An effect that comes out as slight as on every
+    machine is left free then, and the search goes once more.
+    """
+    if evidence.relative:
+        return evidence, diagnose(evidence, report, only)
+    found = diagnose(evidence, lambda share, text: report(0.4 * share, text), only, 1)
+    tried = found.rounds[0].fits
+    fitted = seen_from(tried[0]) if tried else settled(evidence, {}, rounds=FAR_ROUNDS, reach=FAR)
+    leaves_more = misfit(fitted.cost, evidence.floor, evidence.numbers) > 0.0
+    if leaves_more or fitted.at_edge:
+        evidence = with_noise_of(fitted) if leaves_more and len(evidence.channels) > 1 else evidence
+        found = diagnose(evidence, lambda share, text: report(0.4 + 0.6 * share, text), only)
+    fit = found.fit
+    if fit is None:
+        return evidence, found
+    slight = [effect for effect in fit.effects if evidence.released(effect) and are_slight(evidence.actuator, fit.of_effect(effect))]
+    if not slight:
+        return evidence, found
+    evidence = granting(evidence, slight)
+    return evidence, diagnose(evidence, report, only)
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, walk, weig
 from ema_tools.select.known_machine import known_machine
 from ema_tools.select.matched_filter import Screen
 from ema_tools.select.outcome import Diagnosis
-from ema_tools.select.search import diagnose
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
+from ema_tools.select.whole_search import diagnosed
 from ema_tools.tasks.diagnose import answerable, check_records, healthy_of
 from ema_tools.tasks.learned_tables import learned_tables, table_fit, today_worn
 
@@ -119,12 +119,14 @@ def add(
     check_records(record, healthy, holdout)
     answerable(actuator, record, healthy_of(record, healthy))
     evidence = gather(actuator, record, healthy_of(record, healthy), report=lambda share, text: tell(0.5 * share, text))
-    here = settled(evidence, {})
     tell(0.6, f"fitting {effect}")
-    worn = today_worn(here) if row.is_learned else here
-    fit, accepted = (
-        (_learned(evidence, worn, effect, record, healthy), False) if row.is_learned else _fitted(evidence, (effect,), _faults(evidence))
-    )
+    if row.is_learned:
+        here = settled(evidence, {})
+        worn, accepted = today_worn(here), False
+        fit = _learned(evidence, worn, effect, record, healthy)
+    else:
+        evidence, fit, accepted = _fitted(evidence, (effect,), _faults(evidence))
+        here = worn = settled(evidence, {})
     diagnosis = Diagnosis("missing", fit, (), (), (fit,), here.cost, fit.cost, evidence.expected_cost(), 0.0, LEAST_LIMIT)
     tell(0.9, "the record held out")
     errors, steps = walk(diagnosis, evidence, holdout, healthy_of(holdout, healthy) if holdout is not None else ())
@@ -205,9 +207,12 @@ def add_together(
     answerable(actuator, record, healthy_of(record, healthy))
     evidence = known_machine(actuator, record) if known else gather(actuator, record, healthy_of(record, healthy))
     tell(0.5, f"fitting {', '.join(effects)}")
-    here = settled(evidence, {})
     faults = _faults(evidence, known)
-    fit, accepted = (_one_by_one(evidence, effects, faults), False) if known else _fitted(evidence, effects, faults)
+    if known:
+        fit, accepted = _one_by_one(evidence, effects, faults), False
+    else:
+        evidence, fit, accepted = _fitted(evidence, effects, faults)
+    here = settled(evidence, {})
     without: dict[str, Fit] = {}
     for effect in effects:
         rest = {name: value for name, value in fit.values.items() if effect_of(name) != effect}
@@ -241,11 +246,11 @@ def _faults(evidence: Evidence, known: bool = False) -> list[str]:
     return [name for name, value in FAULTS.items() if (known or evidence.relative) and evidence.actuator[value] > 0.0]
 
 
-def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> tuple[Fit, bool]:
-    """The effects at their best beside the faults, and whether the search of `ema diagnose` names them all with this fit: the search among these alone, or among all, which may come to them
-    by way of another."""
+def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -> tuple[Evidence, Fit, bool]:
+    """The effects at their best beside the faults, with the evidence that they are fitted to, and whether the search of `ema diagnose` names them all with this fit: the search among these alone,
+    or among all, which may come to them by way of another."""
     for only in ((*effects, *faults), None):
-        found = diagnose(evidence, only=only)
+        seen, found = diagnosed(evidence, only=only)
         fit = found.fit
         if fit is not None and set(effects) <= set(fit.effects) <= {*effects, *FAULTS} and found.verdict == "missing":
             accepted = all(one.accepted for one in found.named if one.name in effects)
@@ -255,9 +260,9 @@ def _fitted(evidence: Evidence, effects: Sequence[str], faults: Sequence[str]) -
     tries = [fit] if fit is not None else []
     if faults or not tries:
         # what has changed with an effect may hide it until all are fitted together
-        tries.append(_one_by_one(evidence, effects, faults))
+        tries.append(_one_by_one(seen, effects, faults))
     best = min(tries, key=lambda one: one.cost + LEAST_LIMIT * len(one.effects))
-    return _in_order(best, effects), accepted and best is fit
+    return seen, _in_order(best, effects), accepted and best is fit
 
 
 def _in_order(fit: Fit, effects: Sequence[str]) -> Fit:

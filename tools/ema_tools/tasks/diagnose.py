@@ -15,12 +15,10 @@ from ema_tools.compare.validity import RecordRemark, RecordValidity, judge
 from ema_tools.data.actuator import Actuator
 from ema_tools.data.motion_records import same_samples
 from ema_tools.data.records import Record
-from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled
-from ema_tools.fit.misfit import misfit
-from ema_tools.fit.nuisance import FROM_DATA_SHEET, TEMPERATURE, are_slight, moved
-from ema_tools.fit.refit import seen_from
+from ema_tools.fit.evidence import Evidence, settled
+from ema_tools.fit.nuisance import FROM_DATA_SHEET, TEMPERATURE, moved
 from ema_tools.library.faults import FAULTS, effect_of
-from ema_tools.select.baseline import gather, granting, same_command, with_noise_of
+from ema_tools.select.baseline import gather, same_command
 from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
@@ -29,6 +27,7 @@ from ema_tools.select.search import UNEXPLAINED, diagnose
 from ema_tools.select.sensors import Suspect, likelier_sensor, odd_signal, suspect, without_voltage
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
+from ema_tools.select.whole_search import diagnosed
 from ema_tools.tasks.learned_tables import helpful_tables, today_worn
 
 _FAR_DAY = 2.0  # standard deviations of the temperature between baseline records: farther, and it is said [chance]
@@ -81,8 +80,8 @@ class Answer:
 
     def _near(self, effect: Named) -> tuple[str, ...]:
         """Effects whose fit alone leaves as much as that of `effect`, but for the noise of the cost, and would be an answer by itself."""
-        if self.diagnosis.named[0] is not effect:
-            # the others were judged jointly with the first
+        if self.diagnosis.named[0] is not effect or effect.probability is not None:
+            # the others were judged jointly with the first, or all by their probability
             return ()
         noise = math.sqrt(2.0 / self.evidence.numbers) * (self.diagnosis.cost_before - effect.score)
         least = max((1.0 - UNEXPLAINED) * effect.score, effect.score - noise)
@@ -204,28 +203,6 @@ _AS_ASKED = RecordRemark(
 )
 
 
-def _searched(evidence: Evidence, report: Report) -> tuple[Evidence, Diagnosis]:
-    """The search, and the evidence that it rests on. Without baseline records one effect is sought first: where it leaves more than white noise, the search goes on with the noise that the
-    residual shows. An effect that comes out as slight as on every machine is left free then, and the search goes once more."""
-    if evidence.relative:
-        return evidence, diagnose(evidence, report)
-    found = diagnose(evidence, lambda share, text: report(0.4 * share, text), effects_max=1)
-    tried = found.rounds[0].fits
-    fitted = seen_from(tried[0]) if tried else settled(evidence, {}, rounds=FAR_ROUNDS, reach=FAR)
-    leaves_more = misfit(fitted.cost, evidence.floor, evidence.numbers) > 0.0
-    if leaves_more or fitted.at_edge:
-        evidence = with_noise_of(fitted) if leaves_more and len(evidence.channels) > 1 else evidence
-        found = diagnose(evidence, lambda share, text: report(0.4 + 0.6 * share, text))
-    fit = found.fit
-    if fit is None:
-        return evidence, found
-    slight = [effect for effect in fit.effects if evidence.released(effect) and are_slight(evidence.actuator, fit.of_effect(effect))]
-    if not slight:
-        return evidence, found
-    again = granting(evidence, slight)
-    return again, diagnose(again, report)
-
-
 def _without_contradiction(evidence: Evidence) -> tuple[Evidence, Diagnosis] | None:
     """What the other signals say where the recorded voltage keeps all of them from saying anything; None where that is no more."""
     others = without_voltage(evidence)
@@ -259,7 +236,7 @@ def answer(
         beside(lambda: state_doubt(evidence, same)) as doubted,
         beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located,
     ):
-        evidence, found = _searched(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
+        evidence, found = diagnosed(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
     gate = replace(gate, remarks=(*_of_the_day(evidence, found), *gate.remarks))
     doubt = doubted.result()
     if doubt:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.library.display_names import all_coded, coded, value_words, within
@@ -62,7 +62,8 @@ def _said(found: Answer) -> str:
         text = unexplained_by(fit.effects if fit is not None else (), found.errors.after, found.errors.floor)
         return f"{first}{text}. {unexplained.sentence(found.left[0]) if found.left else ''}".strip()
     rivals = {names[0]: names[1:] for names in found.rivals}
-    named = " and ".join(_or_rivals(one, rivals.get(one.name, ())) for one in found.effects)
+    shares = {one.name: one.probability for one in found.diagnosis.named}
+    named = " and ".join(_or_rivals(one, rivals.get(one.name, ()), shares) for one in found.effects)
     apart = "".join(f"; {separation(names)}" for names in found.rivals)
     faults = f"; beside it {faults}" if faults else ""
     shifted = _unit_words(found)
@@ -83,13 +84,17 @@ def _usual(found: Answer) -> str:
     return "".join(f" {within(one.name).capitalize()}: {usual}." for one in found.effects if (usual := record_of(one.name).usual))
 
 
-def probability_words(probability: float) -> str:
-    """A probability with as many digits as it supports."""
-    return "over 99 %" if probability > _NEARLY_SURE else f"{100.0 * probability:.0f} %"
+def _probability(share: float | None) -> str:
+    """A probability with as many digits as its priors support; empty where none is stated."""
+    if share is None:
+        return ""
+    return f"probability {'over 99 %' if share > _NEARLY_SURE else f'{100.0 * share:.0f} %'}"
 
 
-def _or_rivals(one: Named, rivals: Sequence[str]) -> str:
-    return " or ".join([_words(one), *map(coded, rivals)]) + (" (equally well)" if rivals else "")
+def _or_rivals(one: Named, rivals: Sequence[str], shares: Mapping[str, float | None]) -> str:
+    if one.probability is None:
+        return " or ".join([_words(one), *map(coded, rivals)]) + (" (equally well)" if rivals else "")
+    return " or ".join([_words(one), *(coded(name, _probability(shares.get(name))) for name in rivals)])
 
 
 def separation(names: Sequence[str]) -> str:
@@ -180,8 +185,8 @@ def _value_words(name: str) -> str:
 
 def _words(one: Named) -> str:
     size = next(iter(one.values))
-    share = f"; probability {probability_words(one.probability)}" if one.probability is not None else ""
-    return coded(one.name, f"{row_of(size).field} {size_text(size, one.values[size], one.std.get(size))}{share}")
+    texts = [f"{row_of(size).field} {size_text(size, one.values[size], one.std.get(size))}", _probability(one.probability)]
+    return coded(one.name, "; ".join(filter(None, texts)))
 
 
 def _fault_words(one: Named, known: Actuator) -> str:
