@@ -98,7 +98,10 @@ def main(kinds: tuple[str, ...], baseline: int, days: float, first: int, workers
     wanted = trials(kinds or KINDS, baseline, days, first)
     rows = running.run(wanted, folder, workers, perform, remember=False)
     name = "DAYS.md" if baseline else "DAYS_WITHOUT_BASELINE.md"
-    text = written(rows, f"python -m benchmarks.days --baseline {baseline} --days {days:g} --first {first} -o DIR --document docs/{name}")
+    only = "".join(f"--kind {kind} " for kind in kinds)
+    text = written(
+        rows, f"python -m benchmarks.days {only}--baseline {baseline} --days {days:g} --first {first} -o DIR --document docs/{name}"
+    )
     running.told(text, "## Goals", f"{len(rows)} trials", begun, document)
 
 
