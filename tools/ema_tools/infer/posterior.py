@@ -15,7 +15,7 @@ inverse chi-square prior of `_UNITS` values; integrated out over those that the 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,7 +134,7 @@ def posterior(
 ) -> Posterior:
     """Weighs the `empty` set and the fitted ones. `noise`: the cost of sensor noise alone; `numbers`: independent numbers in the record's signals; `reach_mm`, `peak_A`: of command and current."""
     # what the best set leaves below the expected noise is the noise of this record
-    noise = min(noise, *(one.nuisance.costs(1.0)[0] for one in (empty, *sets)), noise)
+    noise = min(noise, *(one.nuisance.costs(1.0)[0] for one in (empty, *sets)))
     best: dict[frozenset[str], FittedSet] = {}
     for one in sorted((empty, *sets), key=lambda fitted: fitted.cost):
         best.setdefault(one.causes, one)
@@ -143,32 +143,33 @@ def posterior(
         terms += _terms(actuator, fitted, empty, noise, numbers, reach_mm, peak_A)
     logs = np.array([term.log_evidence for term in terms])
     weights = np.exp(logs - logsumexp(logs))
-    by_class: dict[str, float] = {}
-    for cause in {cause for fitted in best.values() for cause in fitted.causes}:
-        alike = {cause, *record_of(cause).inseparable} if cause not in FAULTS else {cause}
-        by_class[cause] = float(sum(weight for weight, term in zip(weights, terms, strict=True) if term.is_named and term.causes & alike))
+
+    def share(names: Collection[str]) -> float:
+        return float(sum(weight for weight, term in zip(weights, terms, strict=True) if term.is_named and term.causes & set(names)))
+
+    causes = {cause for fitted in best.values() for cause in fitted.causes}
+    probability = {cause: share(_class_of(cause)) for cause in causes}
     unnamed = float(sum(weight for weight, term in zip(weights, terms, strict=True) if not term.is_named))
-    return Posterior(dict(sorted(by_class.items(), key=lambda item: -item[1])), unnamed, _accepted(by_class, weights, terms))
+    return Posterior(dict(sorted(probability.items(), key=lambda item: -item[1])), unnamed, _accepted(probability, share))
 
 
-def _accepted(probability: Mapping[str, float], weights: Reals, terms: Sequence[_Term]) -> tuple[str, ...]:
-    """Causes whose class is probable enough, of each class the cause that is the most probable by itself; then the first of several that are probable enough together."""
-    alone = {
-        cause: float(sum(weight for weight, term in zip(weights, terms, strict=True) if term.is_named and cause in term.causes))
-        for cause in probability
-    }
+def _class_of(cause: str) -> set[str]:
+    """The cause and those from which no record tells it apart."""
+    return {cause, *record_of(cause).inseparable}
+
+
+def _accepted(probability: Mapping[str, float], share: Callable[[Collection[str]], float]) -> tuple[str, ...]:
+    """Causes whose class is probable enough, of each class the cause that is the most probable by itself; then the first of several that are probable enough together. `share`: probability that any
+    of some causes is there."""
     found: list[str] = []
-    for cause in sorted(probability, key=lambda name: (-probability[name], -alone[name])):
-        alike = record_of(cause).inseparable if cause not in FAULTS else ()
-        if probability[cause] >= ACCEPTED and not set(alike) & set(found):
+    for cause in sorted(probability, key=lambda name: (-probability[name], -share((name,)))):
+        if probability[cause] >= ACCEPTED and not _class_of(cause) & set(found):
             found.append(cause)
-    known = {name for cause in found for name in (cause, *(record_of(cause).inseparable if cause not in FAULTS else ()))}
-    rivals = {cause for cause, share in probability.items() if share >= REPORTED and cause not in known}
+    known = {name for cause in found for name in _class_of(cause)}
+    rivals = {cause for cause, one in probability.items() if one >= REPORTED and cause not in known}
     first = max(rivals, key=lambda cause: probability[cause], default=None)
-    if first is not None and probability[first] >= _LEADS:
-        any_of_them = sum(weight for weight, term in zip(weights, terms, strict=True) if term.is_named and term.causes & rivals)
-        if any_of_them >= ACCEPTED:
-            found.append(first)
+    if first is not None and probability[first] >= _LEADS and share(rivals) >= ACCEPTED:
+        found.append(first)
     return tuple(found)
 
 

@@ -186,7 +186,7 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
             fits = _without_needless(fits, held, partial(strategy.needed, (), place + 1), strategy.floor)
         fits = strategy.in_order(fits)
         scores = {name: score for name, score in scores.items() if name not in slight}
-        limits = {fit.effects[-1]: strategy.least_of_confounded(fit, least, cost) for fit in confounded}
+        limits = {fit.effects[-1]: strategy.least_of_confounded(fit, least) for fit in confounded}
         for fit in fits:
             chance = strategy.least_by_chance(effect := _newest(fit, held))
             if chance > limits.get(effect, least):

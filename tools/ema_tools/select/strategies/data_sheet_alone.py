@@ -51,11 +51,6 @@ class DataSheetAlone(Strategy):
         """Where the unit's own parameters explain most."""
         return self._free.cost
 
-    @property
-    def beyond(self) -> float:
-        """Most of what the model leaves is the unit's own, which is fitted."""
-        return max(self.start.cost - self.floor, 0.0)
-
     def places(self) -> tuple[View, ...]:
         """The credible machine and the one that explains most."""
         return (self.start, self._free)
@@ -79,9 +74,9 @@ class DataSheetAlone(Strategy):
         free = settled(self.evidence, held.values, held.deviations(), rounds=FAR_ROUNDS, reach=FAR)
         return [replace(fit, cost=held.cost + fit.cost - free.cost) for fit in confounded_fits(free, held)]
 
-    def least_of_confounded(self, _fit: Fit, _least: float, _cost: float) -> float:
+    def least_of_confounded(self, fit: Fit, _least: float) -> float:
         """As much as makes up for its prior."""
-        return -2.0 * log_odds((_fit.effects[-1],))
+        return -2.0 * log_odds((fit.effects[-1],))
 
     def needed(self, _found: Sequence[Signature], _place: int, cost: float) -> float:
         """Less than makes a cause probable, as two may do so together."""

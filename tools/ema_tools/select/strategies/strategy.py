@@ -91,7 +91,7 @@ class Strategy(ABC):
         """Fits of effects that do exactly what a parameter does, sized apart, beside what is `held`."""
         return []
 
-    def least_of_confounded(self, _fit: Fit, least: float, _cost: float) -> float:
+    def least_of_confounded(self, _fit: Fit, least: float) -> float:
         """What an effect of `confounded` must take off, where others must take off `least`."""
         return least
 

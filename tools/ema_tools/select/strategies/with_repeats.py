@@ -13,6 +13,7 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, raw_cost, settled
+from ema_tools.fit.misfit import in_noise
 from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, pruned, refit, seen_from, shares_left, without_effect, worn
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
@@ -29,7 +30,6 @@ _BY_CHANCE = (
 _POLISH_ROUNDS = 1  # of fits with what scatters linear at the last one [effort]
 _FLOORS = 2.0  # an error of so many times the floor is no answer, however large the change was [judgement]
 _BESIDE_WEAR_MAX = 2  # effects that may follow where both faults are fitted first [effort]
-_FORM_DIRECTIONS = 20.0  # in which the wrong form of an effect errs [judgement]
 _GOOD_PART = 0.3  # of what is left: an effect that explains so much of it needs no more [judgement]
 _RIVALS = 2  # of each round that are tried in the place of what was taken [effort]
 _LAST_ROUNDS = 3  # of the one fit that is the answer [effort]
@@ -107,7 +107,7 @@ class WithRepeats(Strategy):
         return self._by_form(left) if self.evidence.varies else must
 
     def _by_form(self, left: float) -> float:
-        return self.limits.least * (1.0 + max(left - self.floor, 0.0) / _FORM_DIRECTIONS)
+        return self.limits.least * in_noise(left - self.floor)
 
     def least_beside(self, cost: float, left: float) -> float:
         """The same; an effect that takes off a good part of what is left needs no more."""
