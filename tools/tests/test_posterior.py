@@ -15,24 +15,25 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.fit.whitening import incoherent_power, lines_of
-from ema_tools.infer.posterior import FittedSet, Nuisance, Posterior, posterior
+from ema_tools.infer.posterior import FittedSet, Nuisance, Posterior, Scale, Setting, posterior
 from ema_tools.infer.priors import log_odds, value_prior
 
-NUMBERS, NOISE = 40_000, 40_000.0
+NOISE = 40_000.0  # of as many independent numbers
+BY_DATA_SHEET = Setting(reference_actuator(), NOISE, 0.0, 0.1 * NOISE, 2.0, 5.0, False)
+BESIDE_HEALTHY = Setting(reference_actuator(), NOISE, 570.0, 5.0, 2.0, 5.0, True)
 RISE, DIRECTED = "effects.stribeck_friction.rise", "effects.directional_stribeck.rise"
 SIZES = {"stribeck_friction": RISE, "directional_stribeck": DIRECTED, "cogging_torque": "effects.cogging_torque.amplitude_Nm"}
-WITHOUT = Nuisance(0.0, np.zeros(0), np.zeros((0, 0)), np.zeros(0), np.zeros(0, dtype=bool), 0.0)
 
 
 def fitted(beyond: float, *causes: str) -> FittedSet:
     """A set that leaves so much cost beyond the noise, each size known to a hundredth of itself."""
-    nuisance = Nuisance(NOISE + beyond, *(getattr(WITHOUT, name) for name in ("best", "axes", "rates", "of_unit", "determined")))
+    nuisance = Nuisance(NOISE + beyond, np.zeros(0), np.zeros((0, 0)), np.zeros(0), ())
     sizes = {SIZES[cause]: 0.01 if cause == "cogging_torque" else 0.4 for cause in causes}
     return FittedSet(frozenset(causes), sizes, np.diag([1e4 / size**2 for size in sizes.values()]), nuisance)
 
 
 def weighed(empty: float, sets: Sequence[FittedSet]) -> Posterior:
-    return posterior(reference_actuator(), fitted(empty), sets, NOISE, NUMBERS, 2.0, 5.0)
+    return posterior(BY_DATA_SHEET, fitted(empty), sets)
 
 
 def test_a_cause_that_explains_a_large_residual_is_accepted() -> None:
@@ -71,6 +72,24 @@ def test_both_of_a_pair_are_accepted_and_a_needless_third_is_not() -> None:
     assert weighed(50_000.0, [fitted(20_000.0, "stribeck_friction"), needless]).probability["cogging_torque"] < 0.2
 
 
+def test_a_slight_further_cause_is_the_form_of_a_large_one() -> None:
+    def accepted(beyond: float) -> set[str]:
+        first, both = fitted(beyond, "stribeck_friction"), fitted(0.0, "stribeck_friction", "cogging_torque")
+        return set(posterior(BESIDE_HEALTHY, fitted(50_000.0), [first, both]).accepted)
+
+    # of what the first explains, in squares, half a hundredth lies within the error of its form and a tenth does not
+    assert accepted(250.0) == {"stribeck_friction"} and accepted(5_000.0) == {"stribeck_friction", "cogging_torque"}
+
+
+def test_beside_baseline_records_chance_is_no_discrepancy() -> None:
+    def probability(gain: float, level: float) -> float:
+        return posterior(BESIDE_HEALTHY, fitted(level), [fitted(level - gain, "cogging_torque")]).probability["cogging_torque"]
+
+    # what an effect takes off counts the same where the noise of the whole record is a little more or less
+    for level in (-300.0, 0.0, 400.0):
+        assert probability(12.0, level) < 0.2 and probability(60.0, level) > 0.9
+
+
 def test_probabilities_do_not_depend_on_the_order_of_the_sets() -> None:
     sets = [fitted(300.0, "stribeck_friction"), fitted(305.0, "directional_stribeck"), fitted(9_000.0, "cogging_torque")]
     one, other = weighed(20_000.0, sets), weighed(20_000.0, sets[::-1])
@@ -83,7 +102,7 @@ def test_nuisance_parameters_are_best_where_data_and_priors_together_cost_least(
     curvature = root.T @ root + np.eye(3)
     best, least, square = np.array([2.0, -1.0, 4.0]), 100.0, 30.0
     rates, axes = np.linalg.eigh(curvature)
-    nuisance = Nuisance(least, axes.T @ best, axes, rates, np.zeros(3, dtype=bool), 0.0)
+    nuisance = Nuisance(least, axes.T @ best, axes, rates, ())
 
     def cost(values: Reals) -> float:
         data = least + float((values - best) @ curvature @ (values - best)) - float(values @ values)
@@ -96,7 +115,7 @@ def test_nuisance_parameters_are_best_where_data_and_priors_together_cost_least(
 
 def test_a_distance_from_the_data_sheet_costs_less_where_its_scale_is_not_known() -> None:
     far = np.array([9.0])
-    own = Nuisance(0.0, far, np.eye(1), np.array([1e6]), np.ones(1, dtype=bool), 1.0).costs(1.0)[1]
+    own = Nuisance(0.0, far, np.eye(1), np.array([1e6]), (Scale([0], 4.0, 1.0),)).costs(1.0)[1]
     assert own < 0.25 * float(far @ far)
 
 
@@ -116,8 +135,10 @@ def test_priors_are_densities(name: str, low: float, high: float) -> None:
 
 
 def test_what_nearly_every_machine_has_is_more_probable_beforehand() -> None:
-    assert log_odds(("presliding",)) > log_odds(("csj",)) > log_odds(("cogging_torque",)) > log_odds(("cogging_torque", "jam_spot"))
-    assert log_odds(()) == 0.0
+    own, pair = (log_odds(causes, False) for causes in (("cogging_torque",), ("cogging_torque", "jam_spot")))
+    assert log_odds(("presliding",), False) > log_odds(("csj",), False) > own > pair
+    # what it has is in its baseline records
+    assert log_odds(("presliding",), True) == own and log_odds((), True) == 0.0
 
 
 def test_noise_is_what_goes_along_with_no_other_signal() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.data.records import Record
 from ema_tools.fit.evidence import Evidence, settled, simulate_channels
-from ema_tools.fit.nuisance import BESIDES, PER_DEGC, TEMPERATURE, USUAL_WEIGHT, Spread, besides, moved
+from ema_tools.fit.nuisance import ASKED, ASKED_VARIES, BESIDES, PER_DEGC, TEMPERATURE, USUAL_WEIGHT, Spread, besides, moved
 from ema_tools.select.baseline import gather
 from ema_tools.select.run_to_run import _SCALES, _learned, _scales
 from ema_tools.select.search import diagnose
@@ -83,6 +84,12 @@ def on_supply(share: float, seed: int) -> Record:
     return Record(record.period_s, record.command_mm, file=f"run_{seed}.csv", **noisy)
 
 
+def as_asked(share: float, seed: int) -> Record:
+    """The same with the voltage that the controller asks for, which takes the supply for what the data sheet states."""
+    record = on_supply(share, seed)
+    return replace(record, voltage_V=record.recorded("voltage_V") / (1.0 + share))
+
+
 DAYS = (0.004, -0.005, 0.001, -0.002, 0.003)
 
 
@@ -129,6 +136,13 @@ def test_a_supply_of_another_day_is_no_effect_and_one_that_sags_is() -> None:
     assert diagnose(of_days(DAYS, 0.006)).verdict == "adequate"
     sags = diagnose(of_days(DAYS, -0.05))
     assert sags.verdict == "missing" and {"supply_sag", "gain_drift"} & {sags.named[0].name, *sags.alike}
+
+
+def test_a_supply_of_another_day_is_no_effect_where_the_voltage_is_as_asked() -> None:
+    healthy = [as_asked(share, 10 + place) for place, share in enumerate(DAYS)]
+    evidence = gather(reference_actuator(), as_asked(0.008, 30), healthy)
+    assert std_of(evidence, ASKED) > ASKED_VARIES
+    assert diagnose(evidence).verdict == "adequate"
 
 
 def test_each_parameter_moves_the_signals_by_a_direction_of_its_own() -> None:

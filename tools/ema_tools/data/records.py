@@ -57,6 +57,10 @@ class Record:
         """Names of the recorded columns except time."""
         return tuple(name for name in COLUMNS[1:] if getattr(self, name) is not None)
 
+    def on_supply(self, share: float) -> Record:
+        """The same with the voltage of a supply that gives more, by a share, than the one of which it was asked."""
+        return self if self.voltage_V is None else replace(self, voltage_V=(1.0 + share) * self.voltage_V)
+
     def channel(self, name: str) -> Reals | None:
         """A recorded column by name, None when it is absent."""
         found: Reals | None = getattr(self, name)

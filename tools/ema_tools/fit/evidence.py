@@ -95,14 +95,17 @@ def slope_step(one: Spread) -> float:
 
 
 def directions_of(
-    actuator: Actuator, record: Record, channels: Sequence[str], start_mm: float, spread: Sequence[Spread]
+    actuator: Actuator, record: Record, channels: tuple[str, ...], start_mm: float, spread: Sequence[Spread]
 ) -> tuple[Reals, Reals]:
     """The model's signals under the record's command [channels, rows], and what one standard deviation of each spread makes of them, [spread, channels, rows]."""
     here = simulate_channels(actuator, record, channels, start_mm)
 
     def moved(one: Spread) -> Reals:
         step = slope_step(one)
-        return (simulate_channels(actuator.changed(one.changes(actuator, step)), record, channels, start_mm) - here) / step
+        found = (simulate_channels(actuator.changed(one.changes(actuator, step)), record, channels, start_mm) - here) / step
+        if one.cause == spreads.ASKED and "voltage_V" in channels:
+            found[channels.index("voltage_V")] -= one.std * here[channels.index("voltage_V")]
+        return found
 
     return here, np.array(each(moved, spread)).reshape(len(spread), *here.shape)
 
@@ -130,7 +133,8 @@ class Evidence:
     `freedom`: with repeats, the degrees of freedom to which these and the usual tell how far `spread` scatters.
     `noise` [channels, lines]: power of one run's noise. `additive` [k, channels, rows]: signals that may be in the record with a standard deviation
     of 1 each, such as the zero of a sensor; `slight`: changes of the model `unit` that the last of them are, by effects that every machine has a little of; `varies`: with repeats, what the
-    first of them stand for; `of_known`: the same evidence where only friction, grease and winding vary, for who takes the machine for known.
+    first of them stand for; `of_known`: the same evidence where only friction, grease and winding vary, for who takes the machine for known;
+    `supplied`: by how much, relative, the record's supply gives more than the one of which its voltage was asked, which is counted in already.
     """
 
     actuator: Actuator
@@ -150,6 +154,7 @@ class Evidence:
     unit: Actuator | None = None
     varies: tuple[Spread, ...] = ()
     of_known: Evidence | None = None
+    supplied: float = 0.0
 
     @property
     def granted(self) -> tuple[str, ...]:
@@ -181,6 +186,14 @@ class Evidence:
         """The same of a machine that has changed since its baseline records, to which that adds `added` [channels, rows]."""
         known = self.of_known.of_machine(actuator, added) if self.of_known is not None else None
         return replace(self, actuator=actuator, repeats=tuple(repeat + added for repeat in self.repeats), of_known=known)
+
+    def on_supply(self, share: float) -> Evidence:
+        """The same where the record's voltage was asked of a supply that gives more by a share in all: that is what was given."""
+        record = self.record.on_supply((1.0 + share) / (1.0 + self.supplied) - 1.0)
+        target = self.target.copy()
+        target[self.channels.index("voltage_V")] += record.recorded("voltage_V") - self.record.recorded("voltage_V")
+        known = self.of_known.on_supply(share) if self.of_known is not None else None
+        return replace(self, record=record, target=target, of_known=known, supplied=share)
 
     @cached_property
     def fixed(self) -> _Fixed:

@@ -2,7 +2,7 @@
 
 | quantity | prior |
 |---|---|
-| a cause is present | `PRESENT`; CSJ and BLK `WORN`; effects that nearly every machine has `USUAL` |
+| a cause is present | `PRESENT`; CSJ and BLK `WORN`; effects that nearly every machine has `USUAL` without baseline records |
 | size of a cause | normal about none, standard deviation `SIZES` times the library's typical size; half of it where the size has one sign |
 | phase | uniform over a turn; number of periods: uniform over those that are tried |
 | positive shape value | lognormal about its nominal value, standard deviation 1 of the logarithm |
@@ -38,9 +38,9 @@ class ValuePrior:
     slope: float = 1.0
 
 
-def log_odds(causes: Collection[str]) -> float:
-    """Logarithm of the prior odds that these causes are present."""
-    shares = [WORN if cause in FAULTS else USUAL if record_of(cause).usual else PRESENT for cause in causes]
+def log_odds(causes: Collection[str], relative: bool) -> float:
+    """Logarithm of the prior odds that these causes are present, `relative` to baseline records or on a unit that is known by its data sheet alone."""
+    shares = [WORN if cause in FAULTS else USUAL if record_of(cause).usual and not relative else PRESENT for cause in causes]
     return sum(math.log(share / (1.0 - share)) for share in shares)
 
 
@@ -49,24 +49,25 @@ def value_prior(actuator: Actuator, name: str, value: float, reach_mm: float, pe
     effect, row = effect_of(name), row_of(name)
     if effect in FAULTS:
         nominal = actuator[row.name]
-        return _normal(value - nominal, SIZES * FAULT_RECORDS[effect].typical_share * nominal)
+        return normal(value - nominal, SIZES * FAULT_RECORDS[effect].typical_share * nominal)
     record = record_of(effect)
     if is_size(name):
         if record.below_peak is not None:
             return _uniform(_OF_PEAK * peak_A)
         typical = abs(record.typical.values[name.rpartition(".")[2]]) if record.typical is not None else abs(value)
-        return _normal(value - actuator[row.name], SIZES * typical, one_sided=row.lower == row.nominal)
+        return normal(value - actuator[row.name], SIZES * typical, one_sided=row.lower == row.nominal)
     if name.endswith("phase_rad"):
         return _uniform(2.0 * math.pi)
     if row.nominal > 0.0 and row.lower >= 0.0:
         positive = max(value, 1e-12)
-        return ValuePrior(_normal(math.log(positive / row.nominal), 1.0).log_density, 1.0, positive)
+        return ValuePrior(normal(math.log(positive / row.nominal), 1.0).log_density, 1.0, positive)
     if name.endswith("_mm"):
-        return _normal(value, reach_mm)
-    return _normal(value - row.nominal, _SHAPES)
+        return normal(value, reach_mm)
+    return normal(value - row.nominal, _SHAPES)
 
 
-def _normal(distance: float, std: float, one_sided: bool = False) -> ValuePrior:
+def normal(distance: float, std: float, one_sided: bool = False) -> ValuePrior:
+    """A value at a distance from the middle of a normal distribution, `one_sided`: of the half of one."""
     log_density = -0.5 * (distance / std) ** 2 - math.log(std) - 0.5 * math.log(2.0 * math.pi)
     return ValuePrior(log_density + (math.log(2.0) if one_sided else 0.0), std**-2)
 

@@ -94,6 +94,7 @@ def fitted_machine(evidence: Evidence, fit: Fit | None) -> Actuator:
 
 def held_out(evidence: Evidence, known: Actuator, record: Record, healthy: Sequence[Record]) -> Evidence:
     """Evidence of a record of another command about the machine `known`; against its own healthy repeats where there are two or more."""
+    record = record.on_supply(evidence.supplied)
     if len(healthy) > 1:
         return freed(against_known(known, record, healthy, evidence.channels))
     return varying_as(alone_against_known(evidence, known, record), evidence)

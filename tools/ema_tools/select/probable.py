@@ -1,4 +1,4 @@
-"""The answer on a unit that is known by its data sheet alone: the causes that the posterior over the fitted sets accepts."""
+"""The answer of a search: the causes that the posterior over all fitted sets accepts."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from ema_tools.fit.evidence import Evidence, settled, simulate_channels
 from ema_tools.fit.misfit import in_noise
-from ema_tools.fit.refit import Fit, best_of_each, jointly, refit
-from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, posterior
+from ema_tools.fit.refit import Fit, jointly, refit
+from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, posterior, setting_of
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.outcome import Diagnosis, Named, Path
@@ -18,21 +18,21 @@ from ema_tools.select.strategies.strategy import ALIKE, Strategy
 UNNAMED = 0.5  # probability of an unnamed cause from which on the verdict is unknown [judgement]
 
 
-def weighed(path: Path, strategy: Strategy) -> Diagnosis:
-    """The diagnosis from all sets of causes that the search fitted on its path."""
+def weighed(pool: Sequence[Fit], path: Path, strategy: Strategy) -> Diagnosis:
+    """The diagnosis from a `pool` of fitted sets of causes, those of the search's path among them."""
     evidence = strategy.evidence
-    pool = best_of_each([*(fit for made in path.rounds for fit in made.fits), *path.steps])
-    empty = fitted_set(strategy.places()[-1])
-    reach_mm = float(np.max(np.abs(evidence.record.command_mm)))
-    found = posterior(evidence.actuator, empty, fitted_sets(pool), evidence.floor, evidence.numbers, reach_mm, _peak_A(evidence))
+    found = posterior(setting_of(evidence, _peak_A(evidence)), fitted_set(strategy.places()[-1]), fitted_sets(pool))
     steps = _steps(found.accepted, pool, strategy)
     verdict = "missing" if steps else "unknown" if found.unnamed > UNNAMED else "adequate"
-    best = steps[-1] if steps else path.steps[-1] if verdict == "unknown" and path.steps else None
-    steps = steps or ((best,) if best is not None else ())
+    if steps:
+        steps = (*steps[:-1], strategy.finished(steps[-1]))
+    elif verdict == "unknown" and pool:
+        steps = (min(pool, key=lambda fit: fit.judged),)
+    best = steps[-1] if steps else None
     cost = best.cost if best is not None else strategy.before
     unexplained = max(cost - strategy.floor, 0.0) / strategy.excess
     doubt = ALIKE * in_noise(cost - strategy.floor)
-    named = _named(path, strategy, found, best, steps, verdict == "missing")
+    named = _named(path, pool, strategy, found, best, steps, verdict == "missing")
     return Diagnosis(
         verdict, best, named, path.rounds, steps, strategy.before, cost, strategy.floor, unexplained, strategy.limit, doubt, found.unnamed
     )
@@ -65,7 +65,9 @@ def _best_with(cause: str, pool: Sequence[Fit]) -> Fit:
     return min((fit for fit in pool if cause in fit.effects), key=lambda fit: fit.cost)
 
 
-def _named(path: Path, strategy: Strategy, found: Posterior, best: Fit | None, steps: Sequence[Fit], accepted: bool) -> tuple[Named, ...]:
+def _named(
+    path: Path, pool: Sequence[Fit], strategy: Strategy, found: Posterior, best: Fit | None, steps: Sequence[Fit], accepted: bool
+) -> tuple[Named, ...]:
     """The causes of the answer in their order, then the others, the most probable first."""
     listed: list[Named] = []
     limits = {effect: limit for made in reversed(path.rounds) for effect, limit in made.limits.items()}
@@ -74,7 +76,7 @@ def _named(path: Path, strategy: Strategy, found: Posterior, best: Fit | None, s
     cost = strategy.before
     for effect, fit in zip(_order(steps), steps if len(steps) == len(held) else [best] * len(held), strict=True):
         assert best is not None and fit is not None
-        alike = (effect, *dict.fromkeys((*_alike(effect, likely, path), *record_of(effect).inseparable)))
+        alike = (effect, *dict.fromkeys((*_alike(effect, likely, held, pool), *record_of(effect).inseparable)))
         values = best.of_effect(effect)
         std = {name: value for name, value in best.std.items() if name in values}
         listed.append(
@@ -114,7 +116,6 @@ def _order(steps: Sequence[Fit]) -> list[str]:
     return list(dict.fromkeys(effect for fit in steps for effect in fit.effects))
 
 
-def _alike(effect: str, likely: Sequence[str], path: Path) -> list[str]:
-    """Of the likely causes those that stood in the same round as the effect, in its place."""
-    made = next((made for made in path.rounds if any(effect == fit.effects[-1] for fit in made.fits)), None)
-    return [cause for cause in likely if made is not None and any(cause == fit.effects[-1] for fit in made.fits)]
+def _alike(effect: str, likely: Sequence[str], held: Sequence[str], pool: Sequence[Fit]) -> list[str]:
+    """Of the likely causes those that were fitted in the place of an effect of the answer."""
+    return [cause for cause in likely if any(set(fit.effects) == {*held, cause} - {effect} for fit in pool)]

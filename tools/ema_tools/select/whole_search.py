@@ -8,15 +8,18 @@ from dataclasses import dataclass, field
 from ema_tools.base.progress import Report, untold
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled
 from ema_tools.fit.misfit import misfit
-from ema_tools.fit.nuisance import are_slight
+from ema_tools.fit.nuisance import ASKED, are_slight
 from ema_tools.fit.refit import seen_from
 from ema_tools.library.faults import FAULTS
-from ema_tools.library.registry import record_of
+from ema_tools.library.registry import record_of, records
 from ema_tools.select.baseline import granting, with_noise_of
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
+
+_SUPPLY_ROUNDS = 3  # of the search with the voltage that was given, as each finds it [effort]
+_OF_NO_DAY = 4.0  # standard deviations of a day's supply that no day makes [chance]
 
 
 def diagnosed(evidence: Evidence, report: Report = untold, only: Collection[str] | None = None) -> tuple[Evidence, Diagnosis]:
@@ -26,7 +29,7 @@ def diagnosed(evidence: Evidence, report: Report = untold, only: Collection[str]
     machine is left free then, and the search goes once more.
     """
     if evidence.relative:
-        return evidence, diagnose(evidence, report, only)
+        return _on_its_supply(evidence, diagnose(evidence, report, only), report, only)
     found = diagnose(evidence, lambda share, text: report(0.4 * share, text), only, 1)
     tried = found.rounds[0].fits
     fitted = seen_from(tried[0]) if tried else settled(evidence, {}, rounds=FAR_ROUNDS, reach=FAR)
@@ -42,6 +45,32 @@ def diagnosed(evidence: Evidence, report: Report = untold, only: Collection[str]
         return evidence, found
     evidence = granting(evidence, slight)
     return evidence, diagnose(evidence, report, only)
+
+
+def _on_its_supply(evidence: Evidence, found: Diagnosis, report: Report, only: Collection[str] | None) -> tuple[Evidence, Diagnosis]:
+    """The same, or where the recorded voltage seems to be asked of a supply that gives another one than on any day, the search with the voltage that was given, if that names the supply besides."""
+    supply = {name for name, one in records().items() if one.confounded is not None and one.confounded.parameter == "drive.supply_V"}
+    must = supply | {one.name for one in found.named if one.accepted}
+    least = _OF_NO_DAY
+    for _ in range(_SUPPLY_ROUNDS):
+        beyond, std = _beyond_its_supply(evidence, found)
+        if abs(beyond) < least:
+            break
+        given = evidence.on_supply((1.0 + evidence.supplied) * (1.0 + beyond * std) - 1.0)
+        again = diagnose(given, report, only)
+        if not must <= {one.name for one in again.named if one.accepted}:
+            break
+        evidence, found, least = given, again, 1.0
+    return evidence, found
+
+
+def _beyond_its_supply(evidence: Evidence, found: Diagnosis) -> tuple[float, float]:
+    """By how many standard deviations the supply of which the voltage was asked is another one than on the baseline records' days, beside what was found; and one of these, relative."""
+    place = next((place for place, one in enumerate(evidence.varies) if one.cause == ASKED), None)
+    if place is None or "voltage_V" not in evidence.channels:
+        return 0.0, 0.0
+    deviations = found.fit.deviations() if found.fit is not None else settled(evidence, {}).best_deviations(reach=FAR)
+    return float(deviations[len(evidence.spread) + place]), evidence.varies[place].std
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -23,7 +22,7 @@ from ema_tools.select.healthy_groups import state_doubt
 from ema_tools.select.healthy_records import check_against_all, check_apart, check_size
 from ema_tools.select.holdout import ErrorFall, Rung, fitted_machine, refuted, shows_nothing, walk
 from ema_tools.select.outcome import Diagnosis, Named
-from ema_tools.select.search import UNEXPLAINED, diagnose
+from ema_tools.select.search import diagnose
 from ema_tools.select.sensors import Suspect, likelier_sensor, odd_signal, suspect, without_voltage
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 from ema_tools.select.terminals import drop_V
@@ -75,17 +74,8 @@ class Answer:
     @property
     def rivals(self) -> tuple[tuple[str, ...], ...]:
         """Each accepted effect that has rivals, followed by them: effects or faults that explain the record as well."""
-        found = [(one.name, *dict.fromkeys((*one.alike[1:], *self._near(one)))) for one in self.effects]
+        found = [(one.name, *one.alike[1:]) for one in self.effects]
         return tuple(names for names in found if len(names) > 1)
-
-    def _near(self, effect: Named) -> tuple[str, ...]:
-        """Effects whose fit alone leaves as much as that of `effect`, but for the noise of the cost, and would be an answer by itself."""
-        if self.diagnosis.named[0] is not effect or effect.probability is not None:
-            # the others were judged jointly with the first, or all by their probability
-            return ()
-        noise = math.sqrt(2.0 / self.evidence.numbers) * (self.diagnosis.cost_before - effect.score)
-        least = max((1.0 - UNEXPLAINED) * effect.score, effect.score - noise)
-        return tuple(one.name for one in self.diagnosis.named if not one.accepted and one.std and one.score >= least)
 
     @property
     def unit_shift(self) -> dict[str, float]:
@@ -195,6 +185,15 @@ def _of_the_day(evidence: Evidence, found: Diagnosis) -> tuple[RecordRemark, ...
     return (RecordRemark("temperature", "weakens", text, "record healthy runs at today's temperature"),)
 
 
+def _of_the_supply(evidence: Evidence) -> tuple[RecordRemark, ...]:
+    """What is said where the recorded voltage was asked of another supply than the machine had."""
+    if not evidence.supplied:
+        return ()
+    how = f"{100.0 * abs(evidence.supplied):.1f} % {'more' if evidence.supplied > 0.0 else 'less'}"
+    text = f"the recorded voltage is asked of a supply that gives {how} than on the days of the baseline records, and is taken for what was given"
+    return (RecordRemark("asked voltage", "weakens", text, "measure the supply, and record it"),)
+
+
 _AS_ASKED = RecordRemark(
     "asked voltage",
     "weakens",
@@ -237,7 +236,8 @@ def answer(
         beside(lambda: where(healthy_machine, record, same, evidence.whiten, evidence.channels)) as located,
     ):
         evidence, found = diagnosed(evidence, lambda share, text: tell(0.25 + 0.6 * share, text))
-    gate = replace(gate, remarks=(*_of_the_day(evidence, found), *gate.remarks))
+    remarks = (*_of_the_day(evidence, found), *_of_the_supply(evidence))
+    record, gate = evidence.record, replace(gate, remarks=(*remarks, *gate.remarks))
     doubt = doubted.result()
     if doubt:
         gate = replace(

@@ -13,7 +13,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.design.typical import typical_change
 from ema_tools.fit.evidence import Evidence, slope_step
-from ema_tools.fit.nuisance import GAIN_SHARE, Spread
+from ema_tools.fit.nuisance import ASKED, Spread
 from ema_tools.fit.whitening import counted
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
@@ -59,9 +59,14 @@ def _weighed(evidence: Evidence) -> WeighedEntry:
         place = int(np.argmax(np.max(np.abs(signals), axis=1)))
         name = evidence.channels[place]
         if np.ptp(signals[place]) > 0.0:
-            gains[name] = GAIN_SHARE[name]
+            gains[name] = float(np.ptp(signals[place]) / np.ptp(evidence.target[place]))
         else:
             zeros[name] = float(signals[place, 0])
+    # the recorded voltage alone is where the page has what it is asked of
+    asked = next((one for one in evidence.varies if one.cause == ASKED), None)
+    if asked is not None and "voltage_V" in evidence.channels:
+        gains["voltage_V"] = asked.std
+    varies = [one for one in evidence.varies if one.cause != ASKED]
     unit = evidence.unit
     return WeighedEntry(
         rows=counted(evidence.record.rows),
@@ -77,10 +82,10 @@ def _weighed(evidence: Evidence) -> WeighedEntry:
         gains=gains,
         unit={} if unit is None else {name: unit[row_of(name).name] for one in evidence.spread for name in one.names},
         slight=(
-            *(one.changes(evidence.actuator, slope_step(one)) for one in evidence.varies),
+            *(one.changes(evidence.actuator, slope_step(one)) for one in varies),
             *(dict(changes) for changes in evidence.slight),
         ),
-        sizes=(*map(slope_step, evidence.varies), *(1.0 for _ in evidence.slight)),
+        sizes=(*map(slope_step, varies), *(1.0 for _ in evidence.slight)),
     )
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from ema_tools.base.arrays import Reals
+from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
 from ema_tools.fit.nuisance import are_slight
@@ -20,7 +18,6 @@ from ema_tools.select.strategies.strategy import ALIKE, LEAST_LIMIT, SearchLimit
 _JOINT_ROUNDS = 3  # rounds of the fit of a finalist together with the machine .. [effort]
 _WORTH_FITTING = 0.3  # ... and the share of the limit that makes it worth them [effort]
 _GAIN_SHARE = 0.5  # finalists that are behind the best by less than this share of its gain get them too [effort]
-_WORTH_ADDING = 0.2  # share of what is left above the noise that an effect must take off to be kept on the way [effort]
 
 
 class DataSheetAlone(Strategy):
@@ -30,21 +27,19 @@ class DataSheetAlone(Strategy):
     as well at first shows from there alone, one that bends from here alone.
     """
 
-    by_probability = True
     limits = SearchLimits(
         finalists=8,  # what the unit's parameters hide of an effect shows only when both are fitted together, so more effects are [effort]
         finalist_share=0.1,  # for the same reason [effort]
         least=LEAST_LIMIT,
-        model_error=0.0,
     )
 
     def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         super().__init__(evidence, only)
         self._free = settled(evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
 
-    def floor_costs(self) -> Reals:
+    def floor_cost(self) -> float:
         """What sensor noise alone has."""
-        return np.array([self.evidence.floor])
+        return self.evidence.floor
 
     @property
     def before(self) -> float:
@@ -76,15 +71,7 @@ class DataSheetAlone(Strategy):
 
     def least_of_confounded(self, fit: Fit, _least: float) -> float:
         """As much as makes up for its prior."""
-        return -2.0 * log_odds((fit.effects[-1],))
-
-    def needed(self, _found: Sequence[Signature], _place: int, cost: float) -> float:
-        """Less than makes a cause probable, as two may do so together."""
-        return max(self.limit, _WORTH_ADDING * (cost - self.floor))
-
-    def limit_at(self, _found: Sequence[Signature], _place: int, _cost: float) -> float:
-        """The same in every round: the posterior decides."""
-        return self.limit
+        return -2.0 * log_odds((fit.effects[-1],), False)
 
     def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], cost: float) -> tuple[Fit, ...]:
         """Together with the machine, where they take off enough to be worth it."""
@@ -102,9 +89,15 @@ class DataSheetAlone(Strategy):
         first = min(alike, key=lambda fit: len(fit.values), default=None)
         return fits if first is None else (first, *(fit for fit in fits if fit is not first))
 
-    def ended(self, path: Path, _grow: Callable[[Path, int], Path]) -> Path:
-        """The last set, or one effect of it alone, is fitted to its end together with the machine; an effect that was sized in closed form has nothing to gain."""
-        if not path.steps or (len(path.steps) == 1 and all(map(confounded_parameter, path.steps[0].values))):
-            return path
-        path = replace(path, steps=(*path.steps[:-1], jointly(path.steps[-1])))
-        return self.fewer(path, lambda start: jointly(refit(self.start, start)))
+    def others(self, path: Path, _grow: Callable[[Path, int], Path]) -> list[Fit]:
+        """The last set, and each effect of it alone, fitted to their end together with the machine."""
+        if not path.steps or _is_confounded(path.steps[-1]):
+            return []
+        last = jointly(path.steps[-1])
+        alone = last.effects if len(last.effects) > 1 else ()
+        return [last, *each(lambda effect: jointly(refit(self.start, last.of_effect(effect))), alone)]
+
+
+def _is_confounded(fit: Fit) -> bool:
+    """Whether it was sized in closed form, and has nothing to gain."""
+    return len(fit.effects) == 1 and all(map(confounded_parameter, fit.values))

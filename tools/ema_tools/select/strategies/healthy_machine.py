@@ -6,13 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ema_tools.base.arrays import Reals
 from ema_tools.data.actuator import row_of
 from ema_tools.fit.evidence import Evidence
 from ema_tools.fit.refit import Fit
 from ema_tools.library.registry import record_of
 from ema_tools.library.torques import WIDEST_SPOT
-from ema_tools.select.candidates import Signature
 from ema_tools.select.strategies.strategy import SearchLimits, Strategy, polished_near
 
 _STANDING_SHARE = 0.05  # of what the healthy mean leaves: an effect that takes off less is not worth having [judgement]
@@ -26,22 +24,17 @@ class HealthyMachine(Strategy):
         finalists=5,  # as against repeats [effort]
         finalist_share=0.4,  # as against repeats [effort]
         least=100.0,  # a standing effect makes every later run dearer: three times what chance can do [judgement]
-        model_error=0.0,
     )
 
     def __init__(self, evidence: Evidence) -> None:
         super().__init__(evidence)
         self._needed = max(self.limits.least, _STANDING_SHARE * max(self.start.cost - evidence.numbers, 0.0))
 
-    def floor_costs(self) -> Reals:
-        """As many as the record has numbers: white noise."""
-        return np.array([float(self.evidence.numbers)])
+    def floor_cost(self) -> float:
+        """As much as the record has numbers: white noise."""
+        return float(self.evidence.numbers)
 
-    def needed(self, _found: Sequence[Signature], _place: int, _cost: float) -> float:
-        """The same in every round."""
-        return self._needed
-
-    def limit_at(self, _found: Sequence[Signature], _place: int, _cost: float) -> float:
+    def needed(self, _cost: float) -> float:
         """The same in every round."""
         return self._needed
 

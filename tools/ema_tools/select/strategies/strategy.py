@@ -1,14 +1,11 @@
-"""What a strategy decides for the search: where to look from, which fits to make better and how, what an effect must take off, and what is no answer."""
+"""What a strategy decides for the search: where to look from, which fits to make better and how, what an effect must take off to be kept on the way, and what else is fitted."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from ema_tools.base.arrays import Reals
 from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, View, settled
 from ema_tools.fit.refit import Fit, best_of_each, polished, seen_from
@@ -19,10 +16,7 @@ from ema_tools.select.outcome import Path
 # taken [chance]
 LEAST_LIMIT = 30.0
 ALIKE = 9.0  # fits whose costs differ by less than this cannot be told apart: three standard deviations [chance]
-_LEAST_SHARE = 0.02  # an effect must also take off this share of the excess that was found .. [judgement]
-_MOST_OF_REST = 0.5  # ... or this share of what is left, where more is left than noise can leave .. [judgement]
-_NOISE = 6.0  # ... which is so many standard deviations of the cost [chance]
-_NEARLY_ALL = 0.9  # of what is left: a further effect that takes off so much needs nothing else, however large the change was [judgement]
+_WORTH_ADDING = 0.2  # share of what is left above the floor that an effect must take off to be kept on the way [effort]
 _POLISH_REACH = 0.3  # fits this share of the best cost behind the best may still overtake it [effort]
 
 
@@ -32,8 +26,7 @@ class SearchLimits:
 
     finalists: int  # effects whose refit is worth its time, at most
     finalist_share: float  # of the best score that a finalist has at least
-    least: float  # cost that an effect must take off
-    model_error: float  # share of what changed, in amplitude, to which a further effect trusts the model
+    least: float  # cost that an effect must take off to be kept on the way
     effects: int = 3  # a set grows no further [effort]
     finalist_reach: float = 30.0  # cost that a finalist may be behind the best: what chance can do [chance]
 
@@ -43,32 +36,22 @@ class Strategy(ABC):
     faults that are tried, all where it is None."""
 
     limits: SearchLimits
-    # Whether the posterior over the fitted sets decides, and not what each of them leaves.
-    by_probability = False
 
     def __init__(self, evidence: Evidence, only: Collection[str] | None = None) -> None:
         self.evidence = evidence
         self.only = only
         self.start = settled(evidence, {})
         self.limit = self.limits.least
-        costs = self.floor_costs()
-        self.floor = float(costs.mean())
-        # what the cost of a record may lie over the floor by chance
-        self.noise = _NOISE * (float(np.std(costs)) + np.sqrt(2.0 * self.start.residual.size)) + evidence.counting
+        self.floor = self.floor_cost()
 
     @abstractmethod
-    def floor_costs(self) -> Reals:
-        """Costs of records with nothing new, [k]."""
+    def floor_cost(self) -> float:
+        """Cost of a record with nothing new."""
 
     @property
     def before(self) -> float:
         """The cost before any effect is added."""
         return self.start.cost
-
-    @property
-    def beyond(self) -> float:
-        """The cost over the floor that is the record's own, what scatters where it was."""
-        return max(self.before - self.floor, 0.0)
 
     @property
     def excess(self) -> float:
@@ -95,29 +78,9 @@ class Strategy(ABC):
         """What an effect of `confounded` must take off, where others must take off `least`."""
         return least
 
-    def least_by_chance(self, _effect: str) -> float:
-        """What an effect must take off at least where it does the same as something that scatters by a width which is itself known from few runs."""
-        return 0.0
-
-    def needed(self, found: Sequence[Signature], place: int, cost: float) -> float:
-        """What an effect must take off in the round `place`, at the present cost."""
-        rest = cost - self.floor if cost - self.floor > self.noise else np.inf
-        share = min(_LEAST_SHARE * self.excess, _MOST_OF_REST * rest)
-        # a missing interplay has not the form of one effect, which then takes off nearly all that is left
-        further = min(self.limits.model_error**2 * self.beyond, _NEARLY_ALL * rest) if place else 0.0
-        return max(self.limit_at(found, place, cost), share, further)
-
-    def least_kept(self, must: float, _left: float) -> float:
-        """What an earlier effect must take off to be kept beside a further one that had to take off `must`, where both leave so much."""
-        return must
-
-    def least_beside(self, _cost: float, _left: float) -> float:
-        """What a further effect must take off at least from the present cost where it leaves so much."""
-        return 0.0
-
-    @abstractmethod
-    def limit_at(self, found: Sequence[Signature], place: int, cost: float) -> float:
-        """The limit in the round `place`, in the misfit that is left there."""
+    def needed(self, cost: float) -> float:
+        """What an effect must take off from the present cost to be kept on the way: less than makes it probable, as two may do so together."""
+        return max(self.limit, _WORTH_ADDING * (cost - self.floor))
 
     @abstractmethod
     def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], cost: float) -> tuple[Fit, ...]:
@@ -127,29 +90,13 @@ class Strategy(ABC):
         """The fits of a round, the likeliest first; they come in the order of what they leave."""
         return fits
 
-    def ended(self, path: Path, _grow: Callable[[Path, int], Path]) -> Path:
-        """The path after its end, or another one that `_grow` makes from a begun path with so many further effects."""
-        return path
-
-    def fewer(self, path: Path, fitted: Callable[[Mapping[str, float]], Fit]) -> Path:
-        """The path to one effect of its last set, where that one `fitted` alone explains more than the whole set: what came before it stood in for it."""
-        best = path.steps[-1] if path.steps else None
-        if best is None or len(best.effects) < 2:
-            return path
-        found = min(each(lambda effect: fitted(best.of_effect(effect)), best.effects), key=lambda fit: fit.cost)
-        return begun_with(found, path) if found.cost < best.cost else path
-
-    def is_no_answer(self, _cost: float) -> bool:
-        """Whether so much is left that no set of effects is an answer."""
-        return False
-
-    def is_strained(self, _best: Fit) -> bool:
-        """Whether beside a fit what scatters goes farther than it does."""
-        return False
-
-    def vague(self, _best: Fit) -> list[str]:
-        """Effects of an answer whose size could be none."""
+    def others(self, _path: Path, _grow: Callable[[Path, int], Path]) -> list[Fit]:
+        """Further fits beside those of a path, some of which `_grow` makes from a begun path with so many further effects: what a search that adds one effect after the other passes by."""
         return []
+
+    def finished(self, fit: Fit) -> Fit:
+        """The fit that is the answer, made better."""
+        return fit
 
 
 def begun_with(fit: Fit, path: Path) -> Path:
