@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from ema_tools.base.arrays import Reals
 from ema_tools.base.errors import InputError
+from ema_tools.base.parallel import each
 from ema_tools.data.actuator import Row, row_of
 from ema_tools.data.records import Record
 from ema_tools.fit import bounded
@@ -20,6 +22,8 @@ from ema_tools.library.definitions import is_size
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.library.shapes import penalty
+
+Start = TypeVar("Start")
 
 _RUNS = 8  # points of one fit at most, each of which costs a simulation for every value [effort]
 # A slope is taken over this share of a value, or over as much more as it takes to show beyond the model's own roughness, in standard
@@ -300,6 +304,17 @@ def joined(start: Mapping[str, float], more: Mapping[str, float]) -> dict[str, f
 def without_effect(values: Mapping[str, float], effect: str) -> dict[str, float]:
     """Values of all effects but one."""
     return {name: value for name, value in values.items() if effect_of(name) != effect}
+
+
+def fits_from(fitted: Callable[[Start], Fit], starts: Iterable[Start]) -> list[Fit]:
+    """What is `fitted` from each of several starts, side by side, without those near which the model refuses."""
+
+    def taken(start: Start) -> Fit | None:
+        with suppress(InputError):
+            return fitted(start)
+        return None
+
+    return [fit for fit in each(taken, list(starts)) if fit is not None]
 
 
 def best_of_each(fits: Sequence[Fit]) -> tuple[Fit, ...]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
+from ema_tools.base.errors import InputError
 from ema_tools.fit.evidence import Evidence, settled, simulate_channels
 from ema_tools.fit.misfit import in_noise
 from ema_tools.fit.refit import Fit, jointly, refit
@@ -25,7 +27,8 @@ def weighed(pool: Sequence[Fit], path: Path, strategy: Strategy) -> Diagnosis:
     steps = _steps(found.accepted, pool, strategy)
     verdict = "missing" if steps else "unknown" if found.unnamed > UNNAMED else "adequate"
     if steps:
-        steps = (*steps[:-1], strategy.finished(steps[-1]))
+        with suppress(InputError):
+            steps = (*steps[:-1], strategy.finished(steps[-1]))
     elif verdict == "unknown" and pool:
         steps = (min(pool, key=lambda fit: fit.judged),)
     best = steps[-1] if steps else None

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from ema_tools.base.parallel import each
 from ema_tools.base.progress import Report, untold
 from ema_tools.fit.evidence import Evidence, View, settled
-from ema_tools.fit.refit import Fit, best_of_each, joined, pruned, refit, seen_from, slopes, without_effect
+from ema_tools.fit.refit import Fit, best_of_each, fits_from, joined, pruned, refit, seen_from, slopes, without_effect
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, promising, signatures
@@ -58,17 +57,16 @@ def _pruned(fit: Fit, limit: float) -> Fit:
 
 def _special_cases(fit: Fit) -> list[Fit]:
     """The fit with one of its effects in its special case, from the values that both have."""
-    found = []
+    starts = []
     for effect in fit.effects:
         special = record_of(effect).special_case
         known = {f"effects.{row.name}" for row in load_definitions().effect(special).parameters} if special else set()
         shared = {name.replace(f"effects.{effect}.", f"effects.{special}."): value for name, value in fit.of_effect(effect).items()}
         start = {name: value for name, value in shared.items() if name in known}
         if start and special not in fit.effects:
-            start = {**without_effect(fit.values, effect), **start}
-            # the view of the fit holds the effect itself
-            found.append(refit(settled(fit.view.evidence, start, fit.view.deviations, 1), start))
-    return found
+            starts.append({**without_effect(fit.values, effect), **start})
+    # the view of the fit holds the effect itself
+    return fits_from(lambda start: refit(settled(fit.view.evidence, start, fit.view.deviations, 1), start), starts)
 
 
 def _newest(fit: Fit, held: Sequence[str]) -> str:
@@ -122,7 +120,7 @@ def _grown(strategy: Strategy, effects_max: int, tell: Report, begun: Path | Non
         def refitted(one: Signature, values: Mapping[str, float] = values, seen: View | None = here if rounds else None) -> Fit:
             return refit(seen or one.view, joined(values, one.start()))
 
-        fits = strategy.refined(best_of_each(each(refitted, finalists)), confounded, cost)
+        fits = strategy.refined(best_of_each(fits_from(refitted, finalists)), confounded, cost)
         slight = {effect for fit in fits if strategy.is_slight(fit, effect := _newest(fit, held))}
         fits = strategy.in_order(tuple(fit for fit in fits if _newest(fit, held) not in slight))
         scores = {name: score for name, score in scores.items() if name not in slight}

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
-from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits, confounded_parameter
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, View, settled
 from ema_tools.fit.nuisance import are_slight
-from ema_tools.fit.refit import Fit, best_of_each, jointly, refit
+from ema_tools.fit.refit import Fit, best_of_each, fits_from, jointly, refit
 from ema_tools.infer.priors import log_odds
 from ema_tools.select.candidates import Signature
 from ema_tools.select.outcome import Path
@@ -95,7 +94,7 @@ class DataSheetAlone(Strategy):
             return []
         last = jointly(path.steps[-1])
         alone = last.effects if len(last.effects) > 1 else ()
-        return [last, *each(lambda effect: jointly(refit(self.start, last.of_effect(effect))), alone)]
+        return [last, *fits_from(lambda effect: jointly(refit(self.start, last.of_effect(effect))), alone)]
 
 
 def _is_confounded(fit: Fit) -> bool:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from ema_tools.base.errors import InputError
 from ema_tools.base.parallel import each
 from ema_tools.fit.evidence import Evidence, View, settled
 from ema_tools.fit.refit import Fit, best_of_each, polished, seen_from
@@ -117,4 +119,11 @@ def refined_near(fits: tuple[Fit, ...], better: Callable[[Fit], Fit], reach: flo
         return fits
     near = [fit for fit in fits if fit.judged < fits[0].judged + reach]
     rest = [fit for fit in fits if fit.judged >= fits[0].judged + reach]
-    return best_of_each([*each(better, near), *rest])
+
+    def improved(fit: Fit) -> Fit:
+        # nearer to where the model refuses it stays as it is
+        with suppress(InputError):
+            return better(fit)
+        return fit
+
+    return best_of_each([*each(improved, near), *rest])

@@ -8,10 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from ema_tools.base.parallel import each
 from ema_tools.fit.confounded import confounded_fits
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, View, settled
-from ema_tools.fit.refit import Fit, best_of_each, joined, joint, polished, refit, seen_from, shares_left, without_effect, worn
+from ema_tools.fit.refit import Fit, best_of_each, fits_from, joined, joint, polished, refit, seen_from, shares_left, without_effect, worn
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, signatures
@@ -67,7 +66,7 @@ class WithRepeats(Strategy):
             return found
         starts = [*self._swapped(path), *self._beside_faults(best), *(best.of_effect(effect) for effect in best.effects)]
         starts += [without_effect(best.values, effect) for effect in best.effects if len(best.effects) > 2]
-        return [*found, *each(partial(_polished_from, self.start), starts)]
+        return [*found, *fits_from(partial(_polished_from, self.start), starts)]
 
     def _begun_otherwise(self, path: Path, grow: Callable[[Path, int], Path]) -> list[Fit]:
         """Fits where the way of the strongest effect ends far from the floor: the way that begins with both faults, since wear moves CSJ and BLK together, and beside an effect of their size the first
@@ -110,7 +109,7 @@ class WithRepeats(Strategy):
             by_number: dict[float, Signature] = {}
             for one in signatures(Screen(seen), held, (effect,)):
                 by_number.setdefault(one.start().get(f"effects.{effect}.periods", 1.0), one)
-            fits += each(partial(_polished_from, seen), [joined(rest, one.start()) for one in by_number.values()])
+            fits += fits_from(partial(_polished_from, seen), [joined(rest, one.start()) for one in by_number.values()])
         found = min(fits, key=lambda fit: fit.cost, default=best)
         return list(grow(begun_with(found, path), len(found.effects) + _BESIDE_WEAR_MAX).steps) if found.cost < best.cost else []
 
