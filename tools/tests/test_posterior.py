@@ -77,8 +77,8 @@ def test_a_slight_further_cause_is_the_form_of_a_large_one() -> None:
         first, both = fitted(beyond, "stribeck_friction"), fitted(0.0, "stribeck_friction", "cogging_torque")
         return set(posterior(BESIDE_HEALTHY, fitted(50_000.0), [first, both]).accepted)
 
-    # of what the first explains, in squares, half a hundredth lies within the error of its form and a tenth does not
-    assert accepted(250.0) == {"stribeck_friction"} and accepted(5_000.0) == {"stribeck_friction", "cogging_torque"}
+    # of what the first explains, in squares, two thousandths lie within the error of its form and a tenth does not
+    assert accepted(100.0) == {"stribeck_friction"} and accepted(5_000.0) == {"stribeck_friction", "cogging_torque"}
 
 
 def test_beside_baseline_records_chance_is_no_discrepancy() -> None:

@@ -29,7 +29,7 @@ def confounded_parameter(name: str) -> ConfoundedParameter | None:
     return record_of(effect_of(name)).confounded if is_size(name) else None
 
 
-def _confounded_with(parameter: str) -> dict[str, ConfoundedParameter]:
+def confounded_with(parameter: str) -> dict[str, ConfoundedParameter]:
     """Sizes of effects that this parameter does as well."""
     sizes = {effect.name: f"effects.{effect.size.name}" for effect in load_definitions().effects}
     return {
@@ -53,7 +53,7 @@ def confounded_fits(free: View, held: Fit | None = None) -> list[Fit]:
             continue
         known = {
             name: parameter
-            for name, parameter in _confounded_with(one.title).items()
+            for name, parameter in confounded_with(one.title).items()
             if effect_of(name) not in (*evidence.actuator.active_effects, *effects)
         }
         if not known:

@@ -44,9 +44,12 @@ _CONTACT_FORM = 0.35  # .. and of a contact that yields, whose forms are many [j
 _UNNAMED = 0.003  # prior probability of a cause that the library does not hold [judgement]
 _UNITS = 4.0  # values whose usual distance from a data sheet counts as known [judgement]
 _BY_CHANCE = 2.0  # standard deviations by which a record's noise may exceed that of the baseline records [chance]
-# Amplitudes of the discrepancy over its standard deviation at which it is integrated: the model is rough and its noise estimated, so that it is never none; and factor from one energy of an
-# unnamed cause to the next [precision]
+# Amplitudes of the discrepancy over its standard deviation at which it is integrated: a model by its data sheet is rough and its noise estimated, so that it is never none; and factor from one
+# energy of an unnamed cause to the next [precision]
 _AMPLITUDES = np.array([0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0])
+_SMALL_AMPLITUDES = np.array([0.003, 0.01, 0.03])  # beside baseline records
+# How much larger it may be along one direction than along the others, and how often [judgement]
+_ALONG = ((1.0, 0.6), (3.0, 0.3), (10.0, 0.1))
 _NEXT_ENERGY = 4.0
 
 
@@ -198,7 +201,9 @@ def posterior(setting: Setting, empty: FittedSet, sets: Sequence[FittedSet]) -> 
     weights = np.exp(logs - logsumexp(logs))
 
     def share(names: Collection[str]) -> float:
-        return float(sum(weight for weight, term in zip(weights, terms, strict=True) if term.is_named and term.causes & set(names)))
+        return min(
+            float(sum(weight for weight, term in zip(weights, terms, strict=True) if term.is_named and term.causes & set(names))), 1.0
+        )
 
     causes = {cause for fitted in best.values() for cause in fitted.causes}
     probability = {cause: share(_class_of(cause)) for cause in causes}
@@ -231,10 +236,11 @@ def _energy(setting: Setting, fitted: FittedSet, empty: FittedSet) -> float:
     return setting.machine + _form_of(fitted.causes) ** 2 * max(empty.cost - fitted.cost, 0.0)
 
 
-def _of_amplitudes() -> tuple[Reals, Reals]:
-    """Energies of the named discrepancy over its usual one, and their prior probabilities."""
-    shares = np.exp(-0.5 * _AMPLITUDES**2) * np.gradient(_AMPLITUDES)
-    return _AMPLITUDES**2, shares * (1.0 - _UNNAMED) / shares.sum()
+def _of_amplitudes(setting: Setting) -> tuple[Reals, Reals]:
+    """Amplitudes of the named discrepancy over its usual one, and their prior probabilities."""
+    amplitudes = np.concatenate([_SMALL_AMPLITUDES, _AMPLITUDES]) if setting.relative else _AMPLITUDES
+    shares = np.exp(-0.5 * amplitudes**2) * np.gradient(amplitudes)
+    return amplitudes, shares * (1.0 - _UNNAMED) / shares.sum()
 
 
 def _terms(setting: Setting, fitted: FittedSet, empty: FittedSet) -> list[_Term]:
@@ -242,7 +248,8 @@ def _terms(setting: Setting, fitted: FittedSet, empty: FittedSet) -> list[_Term]
     energy = _energy(setting, fitted, empty)
     log_evidence = _log_evidence(setting, fitted)
     found = [
-        _Term(math.log(share) + log_evidence(energy * factor), fitted.causes, True) for factor, share in zip(*_of_amplitudes(), strict=True)
+        _Term(math.log(share) + log_evidence(energy * amplitude**2), fitted.causes, True)
+        for amplitude, share in zip(*_of_amplitudes(setting), strict=True)
     ]
     most = max(empty.cost - setting.noise, energy)
     energies = [energy * _NEXT_ENERGY**k for k in range(1, 2 + math.ceil(math.log(most / energy, _NEXT_ENERGY)))]
@@ -252,19 +259,20 @@ def _terms(setting: Setting, fitted: FittedSet, empty: FittedSet) -> list[_Term]
 def _taken_for_form(setting: Setting, fitted: FittedSet, without: FittedSet, empty: FittedSet) -> list[_Term]:
     """The evidence of the set `without` one cause of another one, where what that cause explains is the discrepancy of this set along the cause's direction, which is one of its many."""
     (cause,) = fitted.causes - without.causes
-    energy = _energy(setting, without, empty) / DIRECTIONS
+    energy = _energy(setting, without, empty)
     size = next(name for name in fitted.values if effect_of(name) == cause)
     change = fitted.values[size] - setting.actuator[row_of(size).name]
     explained = without.cost - fitted.cost
     if change == 0.0 or explained <= 0.0:
         return []
     found = []
-    # along one direction it may be as large as it is, and along the others as small as they show it
-    for along, its_share in zip(*_of_amplitudes(), strict=True):
-        std = abs(change) * math.sqrt(energy * along / explained)
-        log_evidence = _log_evidence(setting, fitted, without.causes, {size: normal(change, std)})
-        for factor, share in zip(*_of_amplitudes(), strict=True):
-            found.append(_Term(math.log(share * its_share) + log_evidence(energy * DIRECTIONS * factor), without.causes, True))
+    for amplitude, share in zip(*_of_amplitudes(setting), strict=True):
+        for along, its_share in _ALONG:
+            if along * amplitude > _AMPLITUDES[-1]:
+                continue
+            std = abs(change) * along * amplitude * math.sqrt(energy / DIRECTIONS / explained)
+            log_evidence = _log_evidence(setting, fitted, without.causes, {size: normal(change, std)})
+            found.append(_Term(math.log(share * its_share) + log_evidence(energy * amplitude**2), without.causes, True))
     return found
 
 

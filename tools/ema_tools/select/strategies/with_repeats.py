@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from ema_tools.fit.confounded import confounded_fits
+from ema_tools.data.actuator import row_of
+from ema_tools.fit.confounded import confounded_with
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, View, settled
-from ema_tools.fit.refit import Fit, best_of_each, fits_from, joined, joint, polished, refit, seen_from, shares_left, without_effect, worn
+from ema_tools.fit.nuisance import Spread
+from ema_tools.fit.refit import Fit, fits_from, joined, joint, polished, refit, seen_from, shares_left, without_effect, worn
 from ema_tools.library.faults import FAULTS, effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.candidates import Signature, signatures
@@ -25,6 +28,7 @@ _RIVALS = 2  # of each round that are tried in the place of what was taken [effo
 _LAST_ROUNDS = 3  # of the one fit that is the answer [effort]
 _HIDDEN = 0.25  # of what a change of a value makes: where what scatters leaves less, the two lie in one narrow valley [measured]
 _JOINT_ROUNDS = 2  # of the answer together with what scatters [effort]
+_OF_NO_DAY = 4.0  # standard deviations that no day makes [chance]
 _RUNS_AWAY = 5.0  # standard deviations of what scatters that no run makes [chance]
 # Where a fault begins beside an effect, in healthy values: friction that grows moves the places of rest, and one beginning does not find them all [measured]
 _BESIDE_STARTS = (1.1, 1.3)
@@ -43,35 +47,51 @@ class WithRepeats(Strategy):
         """Of the repeats, each against the others."""
         return self.evidence.expected_cost()
 
-    def confounded(self, held: Fit | None) -> list[Fit]:
-        """Where what scatters would go beyond what is credible: in place of a value that does, the effect that does the same."""
-        if held is not None or not self.start.at_edge:
-            return []
-        far = settled(self.evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR)
-        fits = [fit for fit in confounded_fits(far) if fit.cost < self.before]
-        return [fit for fit in fits if np.max(np.abs(fit.view.deviations), initial=0.0) < _RUNS_AWAY]
-
-    def refined(self, fits: tuple[Fit, ...], confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
+    def refined(self, fits: tuple[Fit, ...], _confounded: Sequence[Fit], _cost: float) -> tuple[Fit, ...]:
         """With what scatters linear where they are."""
-        fits = polished_near(fits, _POLISH_ROUNDS, self.limits)
-        return best_of_each([*confounded, *fits]) if confounded else fits
+        return polished_near(fits, _POLISH_ROUNDS, self.limits)
 
     def others(self, path: Path, grow: Callable[[Path, int], Path]) -> list[Fit]:
-        """What begins with wear, has another swing, has a rival of one of its effects in the place of that one, has a fault beside one of its effects, or one of its effects alone."""
-        if not path.steps:
-            return []
-        found = self._begun_otherwise(path, grow)
-        best = min((path.steps[-1], *found), key=lambda fit: fit.judged)
-        if len(best.effects) < 2:
+        """What goes in the place of all that varies farther than on any day; what begins with wear, has another swing, has a rival of one of its effects in the place of that one, has a fault beside
+        one of its effects, or one of its effects alone."""
+        found = [*self._in_place_of_days(path, grow), *self._begun_otherwise(path, grow)]
+        best = min((*path.steps[-1:], *found), key=lambda fit: fit.judged, default=None)
+        if best is None or len(best.effects) < 2:
             return found
         starts = [*self._swapped(path), *self._beside_faults(best), *(best.of_effect(effect) for effect in best.effects)]
         starts += [without_effect(best.values, effect) for effect in best.effects if len(best.effects) > 2]
         return [*found, *fits_from(partial(_polished_from, self.start), starts)]
 
+    def _in_place_of_days(self, path: Path, grow: Callable[[Path, int], Path]) -> list[Fit]:
+        """Fits of the faults and effects that do what varies from run to run, where that goes farther than on any day: seen from there their own signatures are bent, or nothing is left of them."""
+        if not self.start.at_edge:
+            return []
+        far = settled(self.evidence, {}, self.start.deviations, rounds=FAR_ROUNDS, reach=FAR).best_deviations(reach=np.inf)
+        vary = (*self.evidence.spread, *self.evidence.varies)
+        beyond = sorted((place for place in range(len(vary)) if abs(far[place]) > _OF_NO_DAY), key=lambda place: -abs(far[place]))
+        causes = [one for place in beyond if (one := self._doing_as(vary[place], float(far[place])))][: self.limits.effects]
+        sets = (some for count in range(1, len(causes) + 1) for some in itertools.combinations(causes, count))
+        found = fits_from(partial(_polished_from, self.start), [dict(itertools.chain(*(one.items() for one in some))) for some in sets])
+        best = min(found, key=lambda fit: fit.judged, default=None)
+        return [*found, *(grow(begun_with(best, path), len(best.effects) + 1).steps if best is not None else ())]
+
+    def _doing_as(self, one: Spread, deviations: float) -> dict[str, float]:
+        """The value of a fault or an effect that does what a parameter does at so many standard deviations; empty where there is none."""
+        actuator = self.evidence.actuator
+        if one.title in FAULTS.values():
+            return one.changes(actuator, deviations)
+        for name, parameter in confounded_with(one.title).items():
+            size, row = parameter.size_per_change * one.std * deviations, row_of(name)
+            if row.lower <= size <= row.upper and effect_of(name) not in actuator.active_effects:
+                return {name: size}
+        return {}
+
     def _begun_otherwise(self, path: Path, grow: Callable[[Path, int], Path]) -> list[Fit]:
         """Fits where the way of the strongest effect ends far from the floor: the way that begins with both faults, since wear moves CSJ and BLK together, and beside an effect of their size the first
         of the three to be fitted alone takes a share of the other two, which no later one gives back; and then with another swing."""
         found: list[Fit] = []
+        if not path.steps:
+            return found
         if self._is_far(path.steps[-1]):
             first = worn(self.start)
             if first is not None:
@@ -86,6 +106,8 @@ class WithRepeats(Strategy):
 
     def _swapped(self, path: Path) -> list[dict[str, float]]:
         """Starts in which a rival of the round in which an effect was taken stands in its place: beside what came later the order may be another."""
+        if not path.steps:
+            return []
         best, held = path.steps[-1], frozenset[str]()
         starts = []
         for step, tried in zip(path.steps, path.rounds, strict=False):
