@@ -119,9 +119,11 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         return EMA_ERR_NULL;
     }
     ema_status_t status = (steps == 0U) ? EMA_ERR_RANGE : EMA_OK;
+    uint32_t left = steps;
     if ((status == EMA_OK) && (guarded->phase == EMA_GUARDED_FEEDING) && (guarded->signatures != NULL)) {
         status = ema_scoring_start(&guarded->session, guarded->signatures);
         guarded->phase = (status == EMA_OK) ? EMA_GUARDED_STARTING : EMA_GUARDED_FEEDING;
+        left = (steps > EMA_MODEL_WORK) ? (steps - EMA_MODEL_WORK) : 1U;
     }
     /* the start is placed for as many values as there were at init: another number would be written past the end */
     if ((status == EMA_OK) && (guarded->phase == EMA_GUARDED_STARTING)
@@ -130,7 +132,7 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
     }
     if (status == EMA_OK) {
         if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_PHASE_SCREENING)) {
-            ema_guarded_score(guarded, steps);
+            ema_guarded_score(guarded, left);
         } else if (guarded->phase != EMA_GUARDED_DONE) {
             /* the session's own runs, from here, where the stack is lowest */
             status = ema_session_run(&guarded->session, steps);

@@ -39,9 +39,7 @@
 /* Step of the sensitivities, as a share of the healthy value: large against rounding, small against the parameter. */
 #define EMA_DELTA_SHARE EMA_R(0.01)
 
-/* Plain steps that the parts count as which are not divided: preparing a model, and a decision with so many values.
- * Measured on the target: docs/BUDGETS.md. */
-#define EMA_MODEL_WORK 110U
+/* Plain steps that a decision with so many values counts as. Measured on the target: docs/BUDGETS.md. */
 #define EMA_DECISION_WORK(count) (20U + (3U * (count) * (count) * (count)))
 
 bool ema_at_bound(ema_real x)

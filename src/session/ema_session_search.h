@@ -5,6 +5,9 @@
 
 #include "ema/ema_session.h"
 
+/* Plain steps that preparing a model counts as, which is not divided. Measured on the target: docs/BUDGETS.md. */
+#define EMA_MODEL_WORK 110U
+
 /* Value of an identified parameter at the coordinate `x` of the unit box. */
 ema_real ema_identified_at(const ema_identified_t* identified, ema_real x);
 
