@@ -236,7 +236,9 @@ def measured(**changed: float) -> budgets.Measured:
         for which in ("mean", "most")
     }
     counts |= {
-        f"identify_int16_{slice_}{what}": value for slice_ in budgets.SLICES for what, value in (("", 70_000_000), ("_steps", 200_000))
+        f"identify_int16_{slice_}{what}": value
+        for slice_ in budgets.SLICES
+        for what, value in (("", 70_000_000), ("_steps", 160_000 if slice_ == 1 else 200_000))
     }
     counts |= {f"size_ema_{name}_t": 300 for name in ("guarded", "command", "onboard")} | {
         "size_table": 90_000,
