@@ -8,12 +8,11 @@
  *     while (ema_guarded_run(&guarded, 200) == EMA_OK && ema_guarded_phase(&guarded) != EMA_GUARDED_DONE) { }
  *     ema_guarded_result(&guarded, &result, &finding);
  *
- * The first run's shifts of CSJ and BLK give the annealer its start, and with it a lower temperature and fewer model
- * runs; its answer is the same. The last one tells what the best CSJ and BLK, with grease and winding as they are
- * today where these are searched too, leave unexplained: an effect that is missing from the model makes the verdict
- * undecided, whatever the estimates say. Without a table (NULL) every result
- * is the session's, bit for bit. A plain value like the session, which it contains: a copy is a checkpoint. Its runs
- * take turns in the same memory.
+ * The first run's shifts of CSJ and BLK give the search its start, and the annealer a lower temperature, so that it
+ * takes fewer model runs; its answer is the same. The last one tells what the best CSJ and BLK, with grease and winding
+ * as they are today where these are searched too, leave unexplained: an effect that is missing from the model makes the
+ * verdict undecided, whatever the estimates say. Without a table (NULL) every result is the session's, bit for bit. A
+ * plain value like the session, which it contains: a copy is a checkpoint. Its runs take turns in the same memory.
  */
 #ifndef EMA_GUARDED_H
 #define EMA_GUARDED_H

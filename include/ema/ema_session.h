@@ -9,6 +9,16 @@
  * bytes a row of command and rod position as int16. The deepest call takes half a KiB of stack in float32:
  * docs/BUDGETS.md. It is a plain value apart from the pointers to the configuration and the buffer: a copy is a
  * checkpoint. The result does not depend on the slices.
+ *
+ * The search has two stages, EMA_SEARCH_TWO_STAGES, the default. The first is a damped Gauss-Newton descent (Marquardt,
+ * J. SIAM 11, 1963) from the start over all searched values. Each step takes 1 + identified_count model runs side by
+ * side; a step by which the cost does not fall is shortened up to three times. The descent ends when the linear model
+ * promises less than a hundredth of the fall that one standard error makes, or than the annealer's function_tolerance.
+ * Its end is the answer when the sensor's noise explains the residual and no value lies on a bound. Otherwise a second
+ * descent starts half a healthy value away in each value, and its end is the answer when it has the same cost within
+ * 1e-4. In all other cases the annealer goes on from the best point, at a temperature of a thousandth of the cost at
+ * the healthy values, with the evaluations of `annealer.evaluation_budget` that are left. ema_result_t says which stage
+ * gave the answer. With EMA_SEARCH_ANNEALER the annealer searches alone, from the start.
  */
 #ifndef EMA_SESSION_H
 #define EMA_SESSION_H
@@ -33,8 +43,18 @@ typedef struct {
     ema_real min_shift_percent; /* smallest shift, in % of the healthy value, that is called a fault */
 } ema_identified_t;
 
+/* How the best point is searched; any other value is the first. */
+typedef enum {
+    EMA_SEARCH_ANNEALER = 0,  /* by the annealer alone, as in Dalla Vedova et al. */
+    EMA_SEARCH_TWO_STAGES = 1 /* by least squares first, and by the annealer where that does not settle it */
+} ema_search_t;
+
+/* Which stage gave the best point. */
+typedef enum { EMA_STAGE_ANNEALER = 0, EMA_STAGE_LEAST_SQUARES = 1 } ema_stage_t;
+
 /* Constant during the session and must outlive it. */
 typedef struct {
+    ema_search_t search;
     bool start_at_healthy; /* else at `annealer.start` */
     bool abandon;          /* give a run up once it exceeds what the annealer could use; changes no decision */
     uint32_t identified_count;
@@ -104,9 +124,10 @@ typedef struct {
         outside_ratio;    /* farthest that a learned table was used outside the range it was seen in, over that range */
     uint32_t evaluations; /* model runs: the search's, plus those before and after it */
     uint64_t model_steps; /* in all of them, counting only steps that were made */
-    ema_annealer_info_t search;
-    ema_random_t random;   /* final state of the random numbers: equal on every machine */
-    ema_outcome_t outcome; /* why the search stopped */
+    ema_annealer_info_t search; /* of the annealer: zero where the first stage gave the answer */
+    ema_random_t random;        /* final state of the random numbers: equal on every machine */
+    ema_outcome_t outcome;      /* why the search stopped */
+    ema_stage_t stage;          /* that gave the best point; before the end: that runs */
     ema_verdict_t verdict;
     bool adequate;
     uint32_t reasons; /* EMA_REASON_ bits */
@@ -114,10 +135,15 @@ typedef struct {
 
 typedef struct {
     ema_phase_t phase;
-    bool gap;            /* samples were missed or refused */
-    bool starts_healthy; /* the search starts at the healthy values */
-    bool healthy_done;   /* the cost at the healthy values is known */
-    bool assessed;       /* models beside the estimate could be made */
+    ema_stage_t stage;
+    bool gap;             /* samples were missed or refused */
+    bool starts_healthy;  /* the search starts at the healthy values */
+    bool starts_cool;     /* the annealer's start is known to be near: its temperature follows from the healthy cost */
+    bool healthy_done;    /* the cost at the healthy values is known */
+    bool assessed;        /* models beside the estimate could be made */
+    bool settled;         /* least squares: the present point is evaluated once more, for its sums */
+    bool second_start;    /* least squares: from the other place */
+    uint8_t failed_steps; /* least squares: in a row */
     const ema_session_config_t* config;
     uint32_t evaluations;
     uint64_t model_steps;
@@ -125,16 +151,18 @@ typedef struct {
     ema_annealer_t annealer;
     ema_actuator_t actuator;           /* with the identified values where the present run has them */
     ema_real healthy_cost;             /* here, so that the 64-bit members leave no gap */
+    ema_real promised;                 /* least squares: fall of the cost by the step that is tried, over that of one
+                                          standard error */
+    ema_real ended_cost;               /* least squares: where the first descent ended */
     union {                            /* one after the other */
-        ema_objective_t run;           /* the model run of the search */
-        ema_sensitivity_t sensitivity; /* the model runs at the end */
+        ema_sensitivity_t sensitivity; /* the model runs of the search and at its end, one or side by side */
         ema_onboard_t
             scoring; /* beside a table of signatures, before the search and after the assessment: ema_guarded.h */
     };
 } ema_session_t;
 
-/* Fills `config` for the two parameters of the actuator's [search] table, CSJ and BLK, the rod position alone and the
- * given record. */
+/* Fills `config` for the two parameters of the actuator's [search] table, CSJ and BLK, the rod position alone, both
+ * stages of the search and the given record. */
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator,
                                         const ema_record_config_t* record);
 
@@ -145,8 +173,9 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
  * and CSJ is stated as at the temperature of the healthy runs. Where they contradict each other by day_apart_degC,
  * one of them has changed by something else: CSJ is stated as read, and scatters as on any day and by all that the
  * temperature which both allow may make of it. In a configuration of one's own that goes for values that stand behind
- * CSJ. Costs about half as many model runs again, and up to two more beside the others at the end. To be called after
- * ema_session_config_default. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_RANGE when there is no room for them. */
+ * CSJ. Costs about half as many model runs again, and up to two more in each step of the first stage. To be called
+ * after ema_session_config_default. Errors, nothing changed: EMA_ERR_NULL; EMA_ERR_RANGE when there is no room for
+ * them. */
 ema_status_t ema_session_config_day(ema_session_config_t* config);
 
 /* Whether the search can work as `config` has it: ema_annealer_check with the session's own start, and the sensor's
@@ -182,12 +211,12 @@ ema_status_t ema_session_gap(ema_session_t* session);
  * so that a slice takes about as long whatever the machine does (ema_step_scratch.h); the first call ends the feeding.
  * Errors: EMA_ERR_NULL; EMA_ERR_ORDER for zeroed memory that was never started; EMA_ERR_RANGE for no steps, by which a
  * loop would never end, and when the configuration has another number of parameters than at the start; EMA_ERR_SHORT
- * for fewer than EMA_ROWS_MIN rows (feeding may go on); those of ema_objective_start at the first call, which can then
- * be repeated. Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst. Cost: that
- * work, and the rest of the step that reaches it. Ending a model run and preparing the next counts as 160, with four
- * values and effects it takes twice that, and is not divided: a slice that has less left leaves it to the next one. The
- * longest slice of 200 that was found, over effects, commands and records: docs/BUDGETS.md. Once done, a call does
- * nothing. */
+ * for fewer than EMA_ROWS_MIN rows (feeding may go on); those of ema_model_init and of the weights at the first call,
+ * which can then be repeated. Later calls answer EMA_OK: a candidate of which no model can be made counts as the worst.
+ * Cost: that work, and the rest of the step that reaches it. Two parts are not divided: preparing a model counts as 110
+ * plain steps, and what follows from ended runs as 20 + 3 n^3 with n values. A slice that has less left leaves such a
+ * part to the next one; the first slice begins with the first model. The longest slices of 200 that were found, over
+ * effects, commands and records: docs/BUDGETS.md. Once done, a call does nothing. */
 ema_status_t ema_session_run(ema_session_t* session, uint32_t steps);
 
 /* EMA_PHASE_FEEDING of none. */

@@ -279,6 +279,7 @@ int32_t ema_desk_search_default(const double* values, const int32_t* options, em
     search->cooling = (double)config.annealer.cooling;
     search->function_tolerance = (double)config.annealer.function_tolerance;
     search->seed = (int64_t)config.annealer.seed;
+    search->search = (int32_t)config.search;
     return (int32_t)status;
 }
 
@@ -308,6 +309,7 @@ static ema_status_t ema_session_config_from(ema_session_config_t* config, const 
         for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
             config->weight[channel] = (ema_real)search->weight[channel];
         }
+        config->search = (search->search != 0) ? EMA_SEARCH_TWO_STAGES : EMA_SEARCH_ANNEALER;
         config->start_at_healthy = search->start_at_healthy != 0;
         config->abandon = search->abandon != 0;
         config->annealer.evaluation_budget = (uint32_t)search->evaluation_budget;
@@ -362,6 +364,7 @@ static void ema_result_to(const ema_session_config_t* config, const ema_result_t
     to->accepted = (int32_t)from->search.accepted;
     to->accepted_uphill = (int32_t)from->search.accepted_uphill;
     to->outcome = (int32_t)from->outcome;
+    to->stage = (int32_t)from->stage;
     to->verdict = (int32_t)from->verdict;
     to->adequate = from->adequate ? 1 : 0;
     to->reasons = (int32_t)from->reasons;
@@ -476,22 +479,31 @@ static void ema_tried_at(const ema_session_config_t* config, const ema_real* x, 
 static ema_status_t ema_guarded_to_end(ema_guarded_t* guarded, int32_t slice_steps, ema_desk_progress_t progress,
                                        void* context)
 {
-    const ema_annealer_t* const annealer = &guarded->session.annealer;
+    const ema_session_t* const session = &guarded->session;
+    const ema_annealer_t* const annealer = &session->annealer;
     ema_status_t status = EMA_OK;
     uint32_t told = 0U;
+    uint32_t descents = 0U; /* model runs of the least squares that were told */
     bool stopped = false;
     double tried[EMA_IDENTIFIED_MAX] = {0.0};
     while ((status == EMA_OK) && !stopped && (ema_guarded_phase(guarded) != EMA_GUARDED_DONE)) {
-        ema_tried_at(guarded->session.config, ema_annealer_candidate(annealer), tried);
+        ema_tried_at(session->config, ema_annealer_candidate(annealer), tried);
         status = ema_guarded_run(guarded, (uint32_t)slice_steps);
-        if ((status == EMA_OK) && (progress != NULL) && (annealer->info.evaluations > told)) {
+        if ((status == EMA_OK) && (progress != NULL) && (session->stage == EMA_STAGE_LEAST_SQUARES)
+            && (annealer->best.cost < EMA_COST_MAX) && (session->evaluations > descents)) {
+            descents = session->evaluations;
+            ema_tried_at(session->config, annealer->best.x, tried);
+            stopped =
+                progress((int32_t)descents, (double)annealer->best.cost, (double)annealer->best.cost, tried, context)
+                != 0;
+        } else if ((status == EMA_OK) && (progress != NULL) && (annealer->info.evaluations > told)) {
             const bool one = annealer->info.evaluations == (told + 1U);
             told = annealer->info.evaluations;
             if (told == 1U) {
                 /* the start may have been moved meanwhile; it is always taken */
-                ema_tried_at(guarded->session.config, annealer->current.x, tried);
+                ema_tried_at(session->config, annealer->current.x, tried);
             }
-            stopped = progress((int32_t)told, (double)annealer->last_cost, (double)annealer->best.cost,
+            stopped = progress((int32_t)(descents + told), (double)annealer->last_cost, (double)annealer->best.cost,
                                one ? tried : NULL, context)
                       != 0;
         }

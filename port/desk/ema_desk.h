@@ -93,6 +93,7 @@ typedef struct {
     double cooling;
     double function_tolerance;
     int64_t seed;
+    int32_t search; /* ema_search_t */
 } ema_desk_search_t;
 
 typedef struct {
@@ -117,6 +118,7 @@ typedef struct {
     double half_95[4]; /* of their 95 % intervals: see ema_session_half_95 */
     double scatter_percent[4];
     double today[4];
+    int32_t stage; /* ema_stage_t */
 } ema_desk_result_t;
 
 /* A table of signatures as ema_signatures_t has it. Each row of `pattern` is effect, first, rows, one_sided, turn[3],
@@ -160,9 +162,10 @@ typedef struct {
     double moved[2];
 } ema_desk_finding_t;
 
-/* Called after each model run of the search with the run's number, the cost found, the best so far, and the
+/* Called after each model run of the annealer with the run's number, the cost found, the best so far, and the
  * identified_count values that were tried, in the parameters' units, or NULL where one slice ended more than one run;
- * may be NULL. A return other than 0 stops the search. */
+ * of the least squares after their runs side by side, with the best point alone. May be NULL. A return other than 0
+ * stops the search. */
 typedef int32_t (*ema_desk_progress_t)(int32_t evaluation, double cost, double best, const double* tried,
                                        void* context);
 

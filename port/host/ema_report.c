@@ -169,9 +169,11 @@ void ema_report_text(const ema_report_t* report, FILE* out)
         (void)fprintf(out, " (%+.3f %%)", 100.0 * (after - before) / before);
     }
     (void)fprintf(out, "; residual %.3g um rms\n", 1000.0 * (double)result->residual_rms_mm);
-    (void)fprintf(out, "search      %" PRIu32 " model runs, %.2f million model steps, ended by %s, seed %" PRIu64 "\n",
-                  result->evaluations, (double)result->model_steps / 1.0e6, ema_outcome_name(result->outcome),
-                  report->config->annealer.seed);
+    (void)fprintf(out,
+                  "search      %" PRIu32 " model runs, %.2f million model steps, %s, ended by %s, seed %" PRIu64 "\n",
+                  result->evaluations, (double)result->model_steps / 1.0e6,
+                  (result->stage == EMA_STAGE_LEAST_SQUARES) ? "least squares" : "annealer",
+                  ema_outcome_name(result->outcome), report->config->annealer.seed);
     (void)fprintf(out, "time        %.3f s, %.3f s of them in the search (the paper: 40 to 75 s per case)\n",
                   report->wall_s, report->search_s);
     (void)fprintf(out, "recording   %s: %" PRId64 " rows, one every %.6g s, kept as %s\n", path, report->rows,
@@ -253,8 +255,9 @@ void ema_report_json(const ema_report_t* report, FILE* out)
     ema_json_real(out, ",\n  \"residual_correlation\": ", (double)result->residual_correlation);
     (void)fprintf(out, ",\n  \"evaluations\": %" PRIu32 ",\n  \"model_steps\": %" PRIu64, result->evaluations,
                   result->model_steps);
-    (void)fprintf(out, ",\n  \"outcome\": \"%s\",\n  \"seed\": %" PRIu64, ema_outcome_name(result->outcome),
-                  report->config->annealer.seed);
+    (void)fprintf(out, ",\n  \"stage\": \"%s\",\n  \"outcome\": \"%s\",\n  \"seed\": %" PRIu64,
+                  (result->stage == EMA_STAGE_LEAST_SQUARES) ? "least_squares" : "annealer",
+                  ema_outcome_name(result->outcome), report->config->annealer.seed);
     ema_json_real(out, ",\n  \"search_s\": ", report->search_s);
     ema_json_real(out, ",\n  \"wall_s\": ", report->wall_s);
     (void)fprintf(out, ",\n  \"verdict\": \"%s\",\n  \"adequate\": %s,\n  \"reasons\": [",

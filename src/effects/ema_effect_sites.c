@@ -14,6 +14,7 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
     ema_active_t* const active = &plant->active;
     const ema_real* value = (const ema_real*)(const void*)effects; /* EMA-D4 */
     ema_real* held = (ema_real*)(void*)&plant->effects;            /* EMA-D4 */
+    uint32_t acting = 0U;
     ema_clear(active, sizeof *active);
     active->substeps = 1U;
     for (uint32_t k = 0; EMA_ROW_HELD(k); ++k) {
@@ -23,8 +24,7 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
         if (*value != EMA_R(0.0)) {
             active->present[k / 32U] |= (uint32_t)1 << (k % 32U);
             active->sites |= (uint16_t)(((uint32_t)1 << site) | (table ? ((uint32_t)1 << EMA_TABLES_BIT) : 0U));
-            active->any =
-                active->any || ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING));
+            acting += ((site != (uint32_t)EMA_SITE_PARAMETER) && (site != (uint32_t)EMA_SITE_READING)) ? 1U : 0U;
             active->substeps = (row->substeps > active->substeps) ? row->substeps : active->substeps;
         }
         if ((site != (uint32_t)EMA_SITE_PARAMETER) && !table) {
@@ -33,6 +33,9 @@ void ema_effects_hold(ema_plant_t* plant, const ema_effects_t* effects)
         }
         value = &value[row->values];
     }
+    active->any = acting > 0U;
+    plant->forces_work = (uint8_t)EMA_WORK_FORCES(acting);
+    plant->step_work = (uint8_t)(1U + (ema_acts_on_reading(plant) ? EMA_WORK_READING : 0U));
     plant->learned = (((uint32_t)active->sites >> EMA_TABLES_BIT) != 0U) ? effects : NULL;
 }
 

@@ -17,6 +17,12 @@ ema_status_t ema_sensitivity_model(ema_sensitivity_t* self, const ema_actuator_t
 ema_status_t ema_sensitivity_moved(ema_sensitivity_t* self, ema_actuator_t* actuator, ema_value_id_t id, ema_real delta,
                                    ema_real start_mm);
 
+/* After runs that were not given up: writes the step of the damped least squares, (J'J + damping diag J'J) s = J'r, in
+ * the parameters' own units, zero for those of `held`, a set of bits. Returns by how much the linear model lets the
+ * weighted squares fall; negative, `step` unchanged, where the record does not tell the parameters apart. Source:
+ * Marquardt, J. SIAM 11, 1963. */
+ema_real ema_sensitivity_step(const ema_sensitivity_t* self, ema_real damping, uint32_t held, ema_real* step);
+
 /* As ema_onboard_start, after ema_onboard_check of the exported actuator with this table and record; `actuator` may
  * differ from that in what differs from day to day, besides CSJ and BLK. Errors: those of ema_model_init. */
 ema_status_t ema_onboard_begin(ema_onboard_t* self, const ema_signatures_t* table, const ema_actuator_t* actuator,

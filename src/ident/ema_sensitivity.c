@@ -1,9 +1,11 @@
 #include "ema/detail/ema_sensitivity.h"
 
 #include "base/ema_bounds.h"
+#include "base/ema_compiler.h"
 #include "base/ema_copy.h"
 #include "base/ema_linear.h"
 #include "base/ema_math.h"
+#include "ema/detail/ema_objective.h"
 #include "ident/ema_cursor_step.h"
 #include "ident/ema_residual.h"
 #include "ident/ema_run_begin.h"
@@ -20,6 +22,8 @@ ema_status_t ema_sensitivity_begin(ema_sensitivity_t* self, const ema_actuator_t
     }
     ema_clear(self, sizeof *self);
     ema_cursor_start(&self->cursor, record, actuator);
+    self->period_s = actuator->params.step_s * (ema_real)self->cursor.every_steps;
+    self->limit = EMA_COST_MAX;
     self->shared_noise_mm = actuator->params.shared_noise_mm;
     self->parameters = count;
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
@@ -76,43 +80,56 @@ void ema_sensitivity_learned(ema_sensitivity_t* self, const ema_actuator_t* actu
     }
 }
 
+/* Plain steps that the sums of a row count as, for each weighted channel. */
+#define EMA_WORK_ROW 1U
+
 /* Adds one row to the sums once every run has passed it. */
 static void ema_sensitivity_row(ema_sensitivity_t* self)
 {
     const ema_cursor_t* const cursor = &self->cursor;
-    const ema_real residual_mm =
-        ema_record_at(cursor->record, cursor->row, (uint32_t)cursor->record->place[EMA_CHANNEL_POSITION])
-        - self->row_output[0].position_mm;
-    ema_residual_row(&self->residual, residual_mm, cursor->row);
-    self->pushed[0] = self->pushed[0] || (self->state[0].play_side < 0);
-    self->pushed[1] = self->pushed[1] || (self->state[0].play_side > 0);
+    if (self->parameters > 0U) {
+        self->work.spent += self->channels * EMA_WORK_ROW;
+        const ema_real residual_mm =
+            ema_record_at(cursor->record, cursor->row, (uint32_t)cursor->record->place[EMA_CHANNEL_POSITION])
+            - self->row_output[0].position_mm;
+        ema_residual_row(&self->residual, residual_mm, cursor->row);
+        self->pushed[0] = self->pushed[0] || (self->state[0].play_side < 0);
+        self->pushed[1] = self->pushed[1] || (self->state[0].play_side > 0);
+    }
+    ema_real cost = EMA_R(0.0);
     for (uint32_t channel = 0; channel < EMA_CHANNEL_COUNT; ++channel) {
         if (self->weight[channel] > EMA_R(0.0)) {
             const ema_real base = ema_output_channel(&self->row_output[0], channel);
             const ema_real residual =
                 ema_record_at(cursor->record, cursor->row, (uint32_t)cursor->record->place[channel]) - base;
             ema_real slope[EMA_IDENTIFIED_MAX];
+            uint32_t at = 0U;
             self->residual.weighted_square += self->weight[channel] * residual * residual;
+            cost += self->weight[channel] * (residual * residual);
             for (uint32_t i = 0; i < self->parameters; ++i) {
                 slope[i] = (ema_output_channel(&self->row_output[1U + i], channel) - base) / self->delta[i];
+                self->gradient[i] += self->weight[channel] * slope[i] * residual;
                 for (uint32_t j = 0; j <= i; ++j) {
-                    self->normal[i][j] += self->weight[channel] * slope[i] * slope[j];
+                    self->normal[at] += self->weight[channel] * slope[i] * slope[j];
+                    ++at;
                 }
             }
         }
     }
+    ema_add_compensated(&self->cost, &self->cost_low, cost * self->period_s);
 }
 
 bool ema_sensitivity_done(const ema_sensitivity_t* self)
 {
-    return ema_cursor_ended(&self->cursor);
+    /* written so that NaN is above the limit */
+    return ema_cursor_ended(&self->cursor) || !(self->cost <= self->limit);
 }
 
 uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
 {
     uint32_t made = 0U;
     self->work.spent = 0U;
-    while ((self->work.spent < steps) && !ema_cursor_ended(&self->cursor)) {
+    while ((self->work.spent < steps) && !ema_sensitivity_done(self)) {
         ema_state_t* const state = &self->state[self->next_run];
         if (self->next_run == 0U) {
             self->command_mm = ema_record_asked(self->cursor.record, self->cursor.row, state->step);
@@ -132,6 +149,49 @@ uint32_t ema_sensitivity_run(ema_sensitivity_t* self, uint32_t steps)
     return made;
 }
 
+/* So much more damping lets a parameter not move. */
+#define EMA_DAMPING_HELD EMA_R(1.0e12)
+
+/* Cholesky factor of J'J at unit diagonal, the parameters having different units, damped; false where the record does
+ * not tell them apart. Those of `held`, a set of bits, do not move. */
+static EMA_NOINLINE bool ema_sensitivity_factor(const ema_sensitivity_t* self, ema_real damping, uint32_t held,
+                                                ema_real* factor, ema_real* length)
+{
+    const ema_real* normal = self->normal;
+    ema_real* row = factor;
+    bool determined = true;
+    for (uint32_t i = 0; determined && (i < self->parameters); ++i) {
+        length[i] = ema_sqrt(normal[i]);
+        determined = (length[i] > EMA_R(0.0)) && ema_is_finite(length[i]);
+        for (uint32_t j = 0; determined && (j <= i); ++j) {
+            row[j] = normal[j] / (length[i] * length[j]);
+        }
+        row[i] += (((held >> i) & 1U) != 0U) ? EMA_DAMPING_HELD : damping;
+        normal = &normal[i + 1U];
+        row = &row[i + 1U];
+    }
+    return determined && ema_cholesky(factor, self->parameters);
+}
+
+ema_real ema_sensitivity_step(const ema_sensitivity_t* self, ema_real damping, uint32_t held, ema_real* step)
+{
+    ema_real factor[EMA_TRIANGLE(EMA_IDENTIFIED_MAX)];
+    ema_real length[EMA_IDENTIFIED_MAX];
+    ema_real fall = EMA_R(-1.0);
+    if (ema_sensitivity_factor(self, damping, held, factor, length)) {
+        fall = EMA_R(0.0);
+        for (uint32_t i = 0; i < self->parameters; ++i) {
+            step[i] = self->gradient[i] / length[i];
+        }
+        ema_solve(factor, self->parameters, step);
+        for (uint32_t i = 0; i < self->parameters; ++i) {
+            step[i] /= length[i];
+            fall += step[i] * (self->gradient[i] + (damping * step[i] * self->normal[EMA_TRIANGLE(i) + i]));
+        }
+    }
+    return fall;
+}
+
 void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_result_t* result)
 {
     const uint32_t count = self->parameters;
@@ -142,20 +202,9 @@ void ema_sensitivity_result(const ema_sensitivity_t* self, ema_sensitivity_resul
     result->outside_ratio = self->state[0].outside_ratio;
     result->crossed = self->pushed[0] && self->pushed[1];
 
-    /* unit diagonal: the parameters have different units */
     ema_real factor[EMA_TRIANGLE(EMA_IDENTIFIED_MAX)];
     ema_real length[EMA_IDENTIFIED_MAX];
-    result->determined = true;
-    for (uint32_t i = 0; i < count; ++i) {
-        length[i] = ema_sqrt(self->normal[i][i]);
-        result->determined = result->determined && (length[i] > EMA_R(0.0)) && ema_is_finite(length[i]);
-    }
-    for (uint32_t i = 0; result->determined && (i < count); ++i) {
-        for (uint32_t j = 0; j <= i; ++j) {
-            factor[EMA_TRIANGLE(i) + j] = self->normal[i][j] / (length[i] * length[j]);
-        }
-    }
-    result->determined = result->determined && ema_cholesky(factor, count);
+    result->determined = ema_sensitivity_factor(self, EMA_R(0.0), 0U, factor, length);
 
     const ema_real widen = ema_residual_widening(result->residual_correlation);
     const ema_real freedom = ema_max((rows * (ema_real)self->channels) - (ema_real)count, EMA_R(1.0));

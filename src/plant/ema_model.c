@@ -148,7 +148,7 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
 {
     /* checked already: the bound says so where it is converted */
     const ema_real needed = ema_clamp(ema_substeps_needed(params, options), EMA_R(0.0), (ema_real)EMA_SUBSTEPS_MAX);
-    plant->substeps = (uint16_t)((uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U));
+    plant->substeps = (uint8_t)((uint32_t)needed + ((needed > ema_floor(needed)) ? 1U : 0U));
     const uint32_t wanted = (options->substeps > 0) ? (uint32_t)options->substeps : plant->active.substeps;
     /* what is late is tried part by part, whether effects ask for it or not */
     /* a rod that swings within few steps is not followed by one that takes its play and its reaction for even */
@@ -159,7 +159,7 @@ static void ema_motion_prepare(ema_plant_t* plant, const ema_params_t* params, c
         (plant->substeps == 1U) && (options->substeps == 0)
         && (ema_drive_delays(&plant->drive) || ((EMA_SITES_HELD != 0) && (wanted > 1U) && !swings));
     if (plant->substeps < wanted) {
-        plant->substeps = (uint16_t)wanted;
+        plant->substeps = (uint8_t)wanted;
     }
     plant->step_s = params->step_s;
     plant->substep_s = params->step_s / (ema_real)plant->substeps;

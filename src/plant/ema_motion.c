@@ -151,7 +151,7 @@ EMA_NOINLINE void ema_segment_open(const ema_plant_t* plant, const ema_state_t* 
     segment->start.current_A = state->current_A;
     segment->start.speed_rad_s = state->speed_rad_s;
     segment->start.angle_rad = state->angle_rad;
-    work->spent += EMA_WORK_FORCES;
+    work->spent += plant->forces_work;
     ema_forces_at(plant, state, work, &segment->start);
     /* one by one: a copy of the whole waits for the writes to its parts */
     const ema_real input = work->forces.input;
@@ -183,7 +183,7 @@ EMA_NOINLINE void ema_segment_correct(const ema_plant_t* plant, const ema_state_
         segment->forces.torque_Nm += span->torque_Nm;
         reaction_Nm = work->rod.reaction_end_Nm;
     }
-    work->spent += EMA_WORK_FORCES;
+    work->spent += plant->forces_work;
     ema_forces_at(plant, state, work, &segment->end);
     span->torque_rise_Nm = (work->forces.torque_Nm + reaction_Nm) - segment->forces.torque_Nm;
     span->input_rise = work->forces.input - segment->forces.input;
@@ -388,7 +388,7 @@ static bool ema_segment_resolve(const ema_plant_t* plant, const ema_state_t* sta
                                           here->torque_Nm - (node->bubble * bent_Nm), EMA_TOL_POLYNOMIAL);
         }
     }
-    work->spent += k * EMA_WORK_FORCES;
+    work->spent += k * plant->forces_work;
     return resolved;
 }
 
@@ -461,7 +461,7 @@ void ema_motion_located(const ema_plant_t* plant, ema_state_t* state, ema_step_s
 EMA_NOINLINE void ema_motion_span(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work,
                                   const ema_responses_t* responses, ema_real span_s)
 {
-    ++work->spent;
+    work->spent += plant->step_work;
     work->responses = responses;
     if (!ema_tries_whole(plant) || !ema_motion_try(plant, state, work, span_s, true)) {
         for (uint32_t k = 0; k < plant->substeps; ++k) {

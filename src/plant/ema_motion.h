@@ -81,7 +81,7 @@ static inline bool ema_motion_plain(const ema_plant_t* plant, ema_state_t* state
 static inline void ema_motion_plain_step(const ema_plant_t* plant, ema_state_t* state, ema_step_scratch_t* work)
 {
     uint32_t left = plant->substeps;
-    work->spent += left;
+    work->spent += left + (plant->step_work - 1U);
     do {
         if (!ema_motion_plain(plant, state, &work->applied)) {
             ema_motion_located(plant, state, work, plant->substep_s);
@@ -111,7 +111,7 @@ void ema_delayed_step(const ema_plant_t* plant, ema_state_t* state, ema_step_scr
 
 /* The forces at a point of the work's segment, into the work's `forces`. All of them at its own start; at any other the
  * levels that hold a shaft at rest are left out, and a dry friction that nothing changes on the way is the one at the
- * start. Who asks counts it as EMA_WORK_FORCES. */
+ * start. Who asks counts it as the plant's forces_work. */
 void ema_forces_at(const ema_plant_t* plant, const ema_state_t* state, ema_step_scratch_t* work,
                    const ema_point_t* point);
 

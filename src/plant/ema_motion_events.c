@@ -30,7 +30,7 @@ static void ema_motion_rest(const ema_plant_t* plant, ema_state_t* state, ema_st
     here->current_A = state->current_A;
     here->speed_rad_s = EMA_R(0.0);
     here->angle_rad = state->angle_rad;
-    work->spent += EMA_WORK_FORCES;
+    work->spent += plant->forces_work;
     ema_forces_at(plant, state, work, here);
     const ema_real torque_Nm = forces->torque_Nm + ema_motor_torque(&plant->motor, state->current_A);
     state->motion = (int32_t)ema_screw_break_away(&plant->screw, state->angle_rad, torque_Nm, forces->level_forward_Nm,

@@ -119,9 +119,11 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
         return EMA_ERR_NULL;
     }
     ema_status_t status = (steps == 0U) ? EMA_ERR_RANGE : EMA_OK;
+    uint32_t left = steps;
     if ((status == EMA_OK) && (guarded->phase == EMA_GUARDED_FEEDING) && (guarded->signatures != NULL)) {
         status = ema_scoring_start(&guarded->session, guarded->signatures);
         guarded->phase = (status == EMA_OK) ? EMA_GUARDED_STARTING : EMA_GUARDED_FEEDING;
+        left = (steps > EMA_MODEL_WORK) ? (steps - EMA_MODEL_WORK) : 1U;
     }
     /* the start is placed for as many values as there were at init: another number would be written past the end */
     if ((status == EMA_OK) && (guarded->phase == EMA_GUARDED_STARTING)
@@ -130,11 +132,10 @@ ema_status_t ema_guarded_run(ema_guarded_t* guarded, uint32_t steps)
     }
     if (status == EMA_OK) {
         if ((guarded->phase == EMA_GUARDED_STARTING) || (guarded->phase == EMA_PHASE_SCREENING)) {
-            ema_guarded_score(guarded, steps);
+            ema_guarded_score(guarded, left);
         } else if (guarded->phase != EMA_GUARDED_DONE) {
             /* the session's own runs, from here, where the stack is lowest */
-            status = ema_guarded_placed(guarded) ? ema_session_run_placed(&guarded->session, steps)
-                                                 : ema_session_run(&guarded->session, steps);
+            status = ema_session_run(&guarded->session, steps);
             ema_guarded_searched(guarded, status);
         } else {
             /* done */
@@ -196,10 +197,6 @@ ema_status_t ema_guarded_gap(ema_guarded_t* guarded)
     return (guarded->phase == EMA_GUARDED_FEEDING) ? ema_session_gap(&guarded->session) : EMA_ERR_ORDER;
 }
 
-/* Temperature at a start that was placed, over the objective at the healthy values: from there the search still leaves
- * a start that is wrong. */
-#define EMA_START_WARMTH EMA_R(0.001)
-
 /* The table is linear in CSJ and BLK: farther than to half or twice the healthy value its shifts are not followed. */
 #define EMA_START_LOWER EMA_R(0.5)
 #define EMA_START_UPPER EMA_R(2.0)
@@ -250,6 +247,7 @@ EMA_NOINLINE void ema_session_place_start(ema_session_t* session, const ema_real
     }
     (void)ema_annealer_restart(&session->annealer, start, session->annealer.config.initial_temperature);
     session->starts_healthy = false;
+    session->starts_cool = true;
 }
 
 EMA_NOINLINE void ema_scoring_place(ema_session_t* session, const ema_finding_t* finding)
@@ -267,23 +265,4 @@ EMA_NOINLINE void ema_scoring_place(ema_session_t* session, const ema_finding_t*
         }
     }
     ema_session_place_start(session, start);
-}
-
-EMA_NOINLINE ema_status_t ema_session_run_placed(ema_session_t* session, uint32_t steps)
-{
-    uint32_t slice = steps;
-    if (!session->healthy_done) {
-        const uint32_t total = session->record.count * (uint32_t)session->config->actuator->options.record_every_steps;
-        const uint32_t made = (session->phase == EMA_PHASE_FEEDING) ? 0U : session->run.model.state.step;
-        const uint32_t left = (made < total) ? (total - made) : 1U;
-        slice = (steps < left) ? steps : left;
-    }
-    const ema_status_t status = ema_session_run(session, slice);
-    ema_annealer_t* const annealer = &session->annealer;
-    if (session->healthy_done && (annealer->info.evaluations == 0U)) {
-        const ema_annealer_config_t* const config = &annealer->config;
-        const ema_real warm = ema_max(EMA_START_WARMTH * session->healthy_cost, config->function_tolerance);
-        (void)ema_annealer_restart(annealer, config->start, ema_min(warm, config->initial_temperature));
-    }
-    return status;
 }

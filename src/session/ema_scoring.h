@@ -17,15 +17,11 @@ uint32_t ema_scoring_run(ema_session_t* session, uint32_t steps);
 bool ema_scoring_ended(const ema_session_t* session, ema_finding_t* finding);
 
 /* The search starts at these values of what is identified, in their own units and in the configuration's order, instead
- * of where the configuration says; values outside the bounds at the bounds. Between feeding and the session's first
- * run, which must then be one of ema_session_run_placed. */
+ * of where the configuration says; values outside the bounds at the bounds. The annealer then begins as cool as the
+ * cost at the healthy values says. Between feeding and the session's first run. */
 void ema_session_place_start(ema_session_t* session, const ema_real value[EMA_IDENTIFIED_MAX]);
 
 /* Places it where the shifts of CSJ and BLK say that the run beside the table asked for. */
 void ema_scoring_place(ema_session_t* session, const ema_finding_t* finding);
-
-/* As ema_session_run, of a session whose start was placed: the search begins as cool as the cost at the healthy values
- * tells it to, so that a slice ends with the run that finds it. */
-ema_status_t ema_session_run_placed(ema_session_t* session, uint32_t steps);
 
 #endif

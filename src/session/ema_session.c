@@ -15,16 +15,9 @@
  */
 #define EMA_COMMAND_APART EMA_R(0.05)
 
-/* An estimate this close to a bound, as a share of the search range, lies on it. */
-#define EMA_BOUND_SHARE EMA_R(5.0e-4)
-
 /* First step of the annealer's walk and length of its stall window per parameter. */
 #define EMA_FIRST_STEP EMA_R(0.2)
 #define EMA_STALL_PER_PARAMETER 20U
-
-/* What ending a model run and preparing the next costs, in plain steps: a slice that has less left does not begin it.
- * Measured on the target. */
-#define EMA_RUN_STEPS 160U
 
 ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_actuator_t* actuator,
                                         const ema_record_config_t* record)
@@ -56,6 +49,7 @@ ema_status_t ema_session_config_default(ema_session_config_t* config, const ema_
     config->annealer.reanneal_interval = (uint32_t)actuator->options.reanneal_interval;
     config->annealer.evaluation_budget = (uint32_t)actuator->options.evaluation_budget;
     config->annealer.seed = (uint64_t)(uint32_t)actuator->options.seed;
+    config->search = EMA_SEARCH_TWO_STAGES;
     config->start_at_healthy = true;
     config->abandon = true;
     return EMA_OK;
@@ -175,52 +169,34 @@ ema_status_t ema_session_run(ema_session_t* session, uint32_t steps)
         return EMA_ERR_RANGE;
     }
     ema_status_t status = EMA_OK;
-    /* a copy of a session reads its own record, not the original's */
-    if (session->phase == EMA_PHASE_SEARCHING) {
-        session->run.cursor.record = &session->record;
-    } else if (session->phase == EMA_PHASE_ASSESSING) {
-        session->sensitivity.cursor.record = &session->record;
-    } else {
-        /* nothing runs */
-    }
-    if (session->phase == EMA_PHASE_FEEDING) {
+    const bool opens = session->phase == EMA_PHASE_FEEDING;
+    if (opens) {
         if (session->record.count < EMA_ROWS_MIN) {
             return EMA_ERR_SHORT;
         }
-        status = ema_session_search_begin(session);
-        if (status == EMA_OK) {
-            session->phase = EMA_PHASE_SEARCHING;
-        }
+        status = ema_session_search_open(session);
+    }
+    if (session->phase != EMA_PHASE_DONE) {
+        /* a copy of a session reads its own record, not the original's */
+        session->sensitivity.cursor.record = &session->record;
     }
     uint32_t left = steps;
-    while ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_SEARCHING)) {
-        const uint32_t before = session->run.model.state.step;
-        const ema_objective_state_t state = ema_objective_run(&session->run, left);
-        const uint32_t spent = session->run.model.work.spent;
-        left = (left > spent) ? (left - spent) : 0U;
-        session->model_steps += session->run.model.state.step - before;
-        if ((state != EMA_OBJECTIVE_RUNNING) && ((left >= EMA_RUN_STEPS) || (left == steps))) {
-            status = ema_session_search_next(session);
-            if (ema_annealer_outcome(&session->annealer) != EMA_OUTCOME_ACTIVE) {
-                ema_assess_start(session);
-            }
-            left = (left > EMA_RUN_STEPS) ? (left - EMA_RUN_STEPS) : 0U;
-        } else if (state != EMA_OBJECTIVE_RUNNING) {
-            left = 0U;
+    while ((status == EMA_OK) && (left > 0U) && (session->phase != EMA_PHASE_DONE)) {
+        uint32_t spent = ema_session_part_work(session);
+        if (spent == 0U) {
+            session->model_steps += ema_sensitivity_run(&session->sensitivity, left);
+            spent = session->sensitivity.work.spent;
+        } else if ((spent > left) && (left < steps)) {
+            /* to the next slice */
+            spent = left;
         } else {
-            /* the run goes on */
+            status = ema_session_part(session);
         }
+        left = (left > spent) ? (left - spent) : 0U;
     }
-    if ((status == EMA_OK) && (left > 0U) && (session->phase == EMA_PHASE_ASSESSING)) {
-        if (session->sensitivity.prepared <= session->sensitivity.parameters) {
-            ema_assess_model(session);
-            return EMA_OK;
-        }
-        session->model_steps += ema_sensitivity_run(&session->sensitivity, left);
-        if (ema_sensitivity_done(&session->sensitivity)) {
-            session->evaluations += 1U + session->config->identified_count;
-            session->phase = EMA_PHASE_DONE;
-        }
+    if (opens && (status != EMA_OK)) {
+        /* no model can be made of the healthy actuator */
+        session->phase = EMA_PHASE_FEEDING;
     }
     return status;
 }
@@ -269,7 +245,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
         estimate->std = assessed.std[i];
         estimate->bias = assessed.bias[i];
         estimate->shift_percent = ((estimate->estimate - healthy) / healthy) * EMA_R(100.0);
-        estimate->at_bound = (x < EMA_BOUND_SHARE) || (x > (EMA_R(1.0) - EMA_BOUND_SHARE));
+        estimate->at_bound = ema_at_bound(x);
     }
     ema_temperature_correction(config, result);
     result->objective_before = session->healthy_cost;
@@ -282,6 +258,7 @@ ema_status_t ema_session_result(const ema_session_t* session, ema_result_t* resu
     result->search = session->annealer.info;
     result->random = session->annealer.random;
     result->outcome = ema_annealer_outcome(&session->annealer);
+    result->stage = session->stage;
     if (session->phase == EMA_PHASE_DONE) {
         ema_verdict_judge(config, assessed.determined && assessed.crossed, result);
         if (ema_session_elsewhere(session)) {

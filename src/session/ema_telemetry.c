@@ -33,6 +33,7 @@
 /* Bits of the flags, and of a value's. */
 #define EMA_FLAG_ADEQUATE 1U
 #define EMA_FLAG_FINDING 2U
+#define EMA_FLAG_LEAST_SQUARES 4U
 #define EMA_FLAG_AT_BOUND 1U
 
 /* No effect, in one byte. */
@@ -60,7 +61,8 @@ static void ema_put_head(const ema_session_config_t* config, const ema_result_t*
     ema_put_u32(&to[EMA_AT_REASONS], result->reasons);
     to[EMA_AT_VERDICT] = (uint8_t)result->verdict;
     to[EMA_AT_OUTCOME] = (uint8_t)result->outcome;
-    to[EMA_AT_FLAGS] = (uint8_t)((result->adequate ? EMA_FLAG_ADEQUATE : 0U) | (found ? EMA_FLAG_FINDING : 0U));
+    to[EMA_AT_FLAGS] = (uint8_t)((result->adequate ? EMA_FLAG_ADEQUATE : 0U) | (found ? EMA_FLAG_FINDING : 0U)
+                                 | ((result->stage == EMA_STAGE_LEAST_SQUARES) ? EMA_FLAG_LEAST_SQUARES : 0U));
     to[EMA_AT_COUNT] = (uint8_t)result->identified_count;
 }
 
@@ -209,6 +211,8 @@ ema_image_status_t ema_result_unpack(const uint8_t* packet, size_t length, ema_t
     result->verdict = (ema_verdict_t)packet[EMA_AT_VERDICT];
     result->outcome = (ema_outcome_t)packet[EMA_AT_OUTCOME];
     result->adequate = (packet[EMA_AT_FLAGS] & EMA_FLAG_ADEQUATE) != 0U;
+    result->stage =
+        ((packet[EMA_AT_FLAGS] & EMA_FLAG_LEAST_SQUARES) != 0U) ? EMA_STAGE_LEAST_SQUARES : EMA_STAGE_ANNEALER;
     result->identified_count = packet[EMA_AT_COUNT];
     ema_get_search(packet, result);
     telemetry->has_finding = (packet[EMA_AT_FLAGS] & EMA_FLAG_FINDING) != 0U;

@@ -1,6 +1,7 @@
 #include "session/ema_verdict.h"
 
 #include "base/ema_bounds.h"
+#include "base/ema_compiler.h"
 #include "base/ema_math.h"
 
 /* A node of a learned table stands for half a distance between nodes on either side of it, a thirtieth of the range. */
@@ -40,6 +41,16 @@ static uint32_t ema_estimate_reasons(const ema_identified_t* identified, const e
     return reasons;
 }
 
+EMA_NOINLINE bool ema_residual_adequate(const ema_params_t* params, ema_real rms_mm, ema_real correlation)
+{
+    /* what neighbouring rows share beyond what the sensor's noise does is none, however small it is beside it */
+    const ema_real shared_mm = rms_mm * ema_sqrt(ema_max(correlation, EMA_R(0.0)));
+    const ema_real structure_mm = params->structure_ratio * params->position_noise_mm;
+    const ema_real allowed_mm =
+        ema_sqrt((structure_mm * structure_mm) + (params->shared_noise_mm * params->shared_noise_mm));
+    return (rms_mm <= (params->adequacy_ratio * params->position_noise_mm)) && (shared_mm <= allowed_mm);
+}
+
 void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_result_t* result)
 {
     const ema_params_t* const params = &config->actuator->params;
@@ -55,13 +66,7 @@ void ema_verdict_judge(const ema_session_config_t* config, bool determined, ema_
     }
     /* next to a sure fault, another parameter's doubt changes nothing */
     reasons |= fault ? 0U : near_threshold;
-    /* what neighbouring rows share beyond what the sensor's noise does is none, however small it is beside it */
-    const ema_real shared_mm = result->residual_rms_mm * ema_sqrt(ema_max(result->residual_correlation, EMA_R(0.0)));
-    const ema_real structure_mm = params->structure_ratio * params->position_noise_mm;
-    const ema_real allowed_mm =
-        ema_sqrt((structure_mm * structure_mm) + (params->shared_noise_mm * params->shared_noise_mm));
-    result->adequate =
-        (result->residual_rms_mm <= (params->adequacy_ratio * params->position_noise_mm)) && (shared_mm <= allowed_mm);
+    result->adequate = ema_residual_adequate(params, result->residual_rms_mm, result->residual_correlation);
     reasons |= result->adequate ? 0U : (uint32_t)EMA_REASON_INADEQUATE;
     reasons |= (result->outcome == EMA_OUTCOME_BUDGET) ? (uint32_t)EMA_REASON_NOT_CONVERGED : 0U;
     reasons |= (result->outside_ratio <= EMA_OUTSIDE_MAX) ? 0U : (uint32_t)EMA_REASON_LEARNED_RANGE;

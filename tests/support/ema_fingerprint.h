@@ -38,7 +38,8 @@ static inline ema_command_t fingerprint_chirp(void)
 
 /* Of an identification of a worn actuator, whose `record` has room for FINGERPRINT_ROWS: the way of the search,
  * estimates, their errors. */
-static inline uint64_t fingerprint_of_answer(const ema_actuator_t* healthy, const ema_record_config_t* record)
+static inline uint64_t fingerprint_of_answer(const ema_actuator_t* healthy, const ema_record_config_t* record,
+                                             ema_search_t search)
 {
     static ema_model_t model;
     static ema_session_t session;
@@ -49,6 +50,7 @@ static inline uint64_t fingerprint_of_answer(const ema_actuator_t* healthy, cons
     const ema_command_t command = fingerprint_chirp();
     ema_result_t result;
     TEST_ASSERT_EQUAL(EMA_OK, ema_session_config_default(&config, healthy, record));
+    config.search = search;
     TEST_ASSERT_EQUAL(EMA_OK, ema_session_init(&session, &config));
     TEST_ASSERT_EQUAL(EMA_OK, ema_model_init(&model, &worn, EMA_R(0.0)));
     for (uint32_t row = 0; row < FINGERPRINT_ROWS; ++row) {

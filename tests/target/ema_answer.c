@@ -1,7 +1,7 @@
 /* Identifies one recorded case, or the worn unit by its own model, and prints the answer's bits: built for the host and
  * for the target, which must print the same.
  *
- * ema_answer a|b|c|u SEED SLICE real|int16
+ * ema_answer a|b|c|u SEED SLICE real|int16 annealer|two_stages
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -37,21 +37,23 @@ static void print_result(const ema_session_config_t* config, const ema_result_t*
                  (unsigned long long)result->model_steps);
     (void)printf("random %016llx %016llx\n", (unsigned long long)result->random.state,
                  (unsigned long long)result->random.increment);
-    (void)printf("outcome %d\nverdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->outcome,
-                 (int)result->verdict, (int)result->adequate, result->reasons);
+    (void)printf("stage %d\noutcome %d\nverdict %d\nadequate %d\nreasons %08" PRIx32 "\n", (int)result->stage,
+                 (int)result->outcome, (int)result->verdict, (int)result->adequate, result->reasons);
 }
 
 int main(int argc, char* argv[])
 {
-    if (argc != 5) {
-        (void)puts("usage: ema_answer a|b|c|u SEED SLICE real|int16");
+    if (argc != 6) {
+        (void)puts("usage: ema_answer a|b|c|u SEED SLICE real|int16 annealer|two_stages");
         return 2;
     }
     const uint32_t slice = (uint32_t)strtoul(argv[3], NULL, 10);
     const ema_record_format_t format = (strcmp(argv[4], "int16") == 0) ? EMA_RECORD_INT16 : EMA_RECORD_REAL;
     uint64_t slices = 0U;
     ema_result_t result;
-    ema_status_t status = ema_recorded_start(&recorded, argv[1][0], (uint32_t)strtoul(argv[2], NULL, 10), format);
+    const ema_search_t search = (strcmp(argv[5], "annealer") == 0) ? EMA_SEARCH_ANNEALER : EMA_SEARCH_TWO_STAGES;
+    ema_status_t status =
+        ema_recorded_start(&recorded, argv[1][0], (uint32_t)strtoul(argv[2], NULL, 10), format, search);
     (void)printf("case %s\nseed %s\nformat %s\nrows %" PRIu32 "\n", argv[1], argv[2], argv[4],
                  recorded.session.record.count);
     while ((status == EMA_OK) && (ema_session_phase(&recorded.session) != EMA_PHASE_DONE)) {

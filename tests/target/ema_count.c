@@ -125,7 +125,7 @@ static void count_effects(void)
 static void count_identification(uint32_t slice, ema_record_format_t format, const char* name)
 {
     ema_result_t result;
-    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, format);
+    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, format, EMA_SEARCH_TWO_STAGES);
     uint64_t ticks = 0U;
     uint64_t slices = 0U;
     uint32_t from = ema_counter_now();
@@ -153,7 +153,7 @@ static void count_identification(uint32_t slice, ema_record_format_t format, con
 static void count_slices(uint32_t slice)
 {
     ticks_t run = {0};
-    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16);
+    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16, EMA_SEARCH_TWO_STAGES);
     while ((status == EMA_OK) && (ema_session_phase(&recorded.session) != EMA_PHASE_DONE)) {
         const uint32_t from = ema_counter_now();
         status = ema_session_run(&recorded.session, slice);
@@ -195,7 +195,7 @@ static void count_calls(void)
     ticks_t once = {0};
     ema_sample_t sample;
     ema_result_t result;
-    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16);
+    ema_status_t status = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16, EMA_SEARCH_TWO_STAGES);
     uint32_t from = ema_counter_now();
     if (status == EMA_OK) {
         status = ema_session_init(&recorded.session, &recorded.config);
@@ -450,7 +450,7 @@ static void call_result(void)
 /* The four calls over a whole identification; the frames of the functions around them are in it. */
 static void measure_stack(void)
 {
-    called = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16);
+    called = ema_recorded_start(&recorded, 'a', 1U, EMA_RECORD_INT16, EMA_SEARCH_TWO_STAGES);
     if (called == EMA_OK) {
         (void)printf("stack_session_init %u\n", (unsigned)stack_of(call_init));
         (void)printf("stack_session_feed %u\n", (unsigned)stack_of(call_feed));
@@ -484,7 +484,7 @@ static void count_unit(uint32_t slice)
     const ticks_t none = {0};
     unit_run = none;
     unit_slice = slice;
-    called = ema_recorded_start(&recorded, 'u', 1U, EMA_RECORD_INT16);
+    called = ema_recorded_start(&recorded, 'u', 1U, EMA_RECORD_INT16, EMA_SEARCH_TWO_STAGES);
     const uint32_t stack = stack_of(call_unit);
     if (called == EMA_OK) {
         called = ema_session_result(&recorded.session, &result);

@@ -38,7 +38,8 @@ bool ema_recorded_row(char name, uint32_t row, ema_sample_t* sample)
     return there;
 }
 
-ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t seed, ema_record_format_t format)
+ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t seed, ema_record_format_t format,
+                                ema_search_t search)
 {
     ema_sample_t sample;
     ema_status_t status = ema_actuator_defaults(&recorded->actuator);
@@ -58,6 +59,7 @@ ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t se
     }
     if (status == EMA_OK) {
         recorded->config.annealer.seed = seed;
+        recorded->config.search = search;
         status = ema_session_init(&recorded->session, &recorded->config);
     }
     if ((status == EMA_OK) && !ema_recorded_row(name, 0U, &sample)) {

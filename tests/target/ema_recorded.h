@@ -25,6 +25,7 @@ bool ema_recorded_row(char name, uint32_t row, ema_sample_t* sample);
 
 /* Starts a session with `seed` and feeds it the whole recording. The unit has standing effects in its model, and grease
  * and winding of the day are searched too. Errors: those of the session; EMA_ERR_SHORT for an unknown name. */
-ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t seed, ema_record_format_t format);
+ema_status_t ema_recorded_start(ema_recorded_t* recorded, char name, uint32_t seed, ema_record_format_t format,
+                                ema_search_t search);
 
 #endif

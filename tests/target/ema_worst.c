@@ -5,7 +5,8 @@
  * Prints a line for each: name, command, and the most that a slice, a step and the preparation of a run have taken; at
  * the end the most of all slices, the most work that one was counted for, which is the same in every build, and the
  * bytes of stack that the sessions used. `ema_worst slices` leaves out single steps, and the effects that had no long
- * slices where all of them were looked at.
+ * slices where all of them were looked at. `ema_worst combinations 3000` looks for the longest slice over so many
+ * configurations of pairs, of triples and of all effects, drives, control laws and sensors alone.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -23,6 +24,7 @@
 #define SLICE 200U
 /* Model runs of a session: enough for every kind of slice. */
 #define RUNS 40U
+#define RUNS_OF_MANY 12U
 
 static ema_real buffer[2U * ROWS];
 static ema_record_t record;
@@ -50,6 +52,8 @@ typedef struct {
 static uint32_t most_ticks;
 static uint32_t most_work; /* of a slice of model steps */
 static uint32_t most_stack;
+static uint32_t combined_ticks; /* of the combinations that are looked at */
+static bool combining;          /* what many effects make may leave the finite numbers */
 
 static bool slices_alone;
 
@@ -198,26 +202,32 @@ static uint32_t run(const char* name, const ema_actuator_t* actuator, uint32_t s
             worst->spent = objective.model.work.spent;
         }
     }
-    if (state != EMA_OBJECTIVE_DONE) {
+    if ((state != EMA_OBJECTIVE_DONE) && !combining) {
         fail(name, EMA_ERR_DIVERGED);
     }
     return start;
 }
 
+/* A record of the command alone. */
+static void record_command(size_t which, ema_real travel_mm)
+{
+    const ema_record_config_t config = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL};
+    uint32_t drawn = 1U;
+    ema_status_t status = ema_record_init(&record, &config);
+    for (uint32_t row = 0; (status == EMA_OK) && (row < ROWS); ++row) {
+        ema_sample_t sample = {0};
+        sample.command_mm = commands[which].at(row, travel_mm, &drawn);
+        status = ema_record_append(&record, &sample);
+    }
+    if (status != EMA_OK) {
+        fail(commands[which].name, status);
+    }
+}
+
 static void look(const char* name, const ema_actuator_t* actuator, const char* friction)
 {
     for (size_t k = 0; k < COMMANDS; ++k) {
-        const ema_record_config_t config = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL};
-        uint32_t drawn = 1U;
-        ema_status_t status = ema_record_init(&record, &config);
-        for (uint32_t row = 0; (status == EMA_OK) && (row < ROWS); ++row) {
-            ema_sample_t sample = {0};
-            sample.command_mm = commands[k].at(row, actuator->params.travel_mm, &drawn);
-            status = ema_record_append(&record, &sample);
-        }
-        if (status != EMA_OK) {
-            fail(name, status);
-        }
+        record_command(k, actuator->params.travel_mm);
         worst_t slice = {0};
         worst_t step = {0};
         const uint32_t start = run(name, actuator, SLICE, &slice);
@@ -306,7 +316,8 @@ static const struct {
 
 #define EMA_FED_KINDS (sizeof feds / sizeof feds[0])
 
-/* The longest slice of a session on such a record, grease and winding of the day searched too. */
+/* The longest slice of a session on such a record, grease and winding of the day searched too. Without a name it is one
+ * of many, and shorter. */
 static void look_session(const char* name, const ema_actuator_t* actuator, size_t fed)
 {
     static ema_session_t session;
@@ -318,7 +329,7 @@ static void look_session(const char* name, const ema_actuator_t* actuator, size_
         status = ema_session_config_day(&config);
     }
     if (status == EMA_OK) {
-        config.annealer.evaluation_budget = RUNS;
+        config.annealer.evaluation_budget = (name != NULL) ? RUNS : RUNS_OF_MANY;
         status = ema_session_init(&session, &config);
     }
     for (uint32_t row = 0; (status == EMA_OK) && (row < ROWS); ++row) {
@@ -339,10 +350,13 @@ static void look_session(const char* name, const ema_actuator_t* actuator, size_
     }
     take_stack(lowest);
     keep_most(&most_ticks, worst);
-    if (status != EMA_OK) {
-        fail(name, status);
+    keep_most(&combined_ticks, worst);
+    if (name != NULL) {
+        if (status != EMA_OK) {
+            fail(name, status);
+        }
+        (void)printf("session %s %s slice %llu\n", name, feds[fed].name, instructions(worst));
     }
-    (void)printf("session %s %s slice %llu\n", name, feds[fed].name, instructions(worst));
 }
 
 static void look_sessions(const char* name, const ema_actuator_t* actuator)
@@ -353,12 +367,109 @@ static void look_sessions(const char* name, const ema_actuator_t* actuator)
     }
 }
 
+/* Adds the effect whose rows begin at `place`; returns the place of the next one. */
+static size_t add_effect(ema_actuator_t* actuator, size_t place)
+{
+    const char* const name = costed[place].effect;
+    size_t next = place;
+    for (; (next < COSTED) && (strcmp(costed[next].effect, name) == 0); ++next) {
+        (void)ema_actuator_set(actuator, costed[next].id, costed[next].value);
+    }
+    return next;
+}
+
+/* Drives, control laws and sensors of a configuration, drawn. */
+static void draw_blocks(ema_actuator_t* actuator, uint32_t* drawn)
+{
+    if (draw(drawn) > EMA_R(0.5)) {
+        actuator->options.mode = 1;
+        actuator->params.current_scale_A = EMA_R(20.0);
+        actuator->params.current_loop_s = (draw(drawn) > EMA_R(0.0)) ? EMA_R(0.0005) : EMA_R(0.0);
+    }
+    if (draw(drawn) > EMA_R(0.5)) {
+        actuator->params.output_delay_s = EMA_R(0.0015);
+    }
+    if (draw(drawn) > EMA_R(0.5)) {
+        actuator->options.structure = 1;
+        actuator->options.average_speed = 1;
+        actuator->params.kd_s_per_m = EMA_R(50.0);
+        actuator->params.speed_limit_m_s = EMA_R(0.1);
+    } else if (draw(drawn) > EMA_R(0.5)) {
+        actuator->params.kd_s_per_m = EMA_R(10.0);
+    } else {
+        /* proportional and integral action on position */
+    }
+    if (draw(drawn) > EMA_R(0.5)) {
+        actuator->params.delay_s = EMA_R(0.0025);
+        actuator->params.resolution_mm = EMA_R(0.001);
+    }
+}
+
+/* Effects of a configuration: so many of them drawn, or all. */
+#define EMA_COMBINED_ALL UINT32_MAX
+
+/* `number` configurations with `effects` effects each: every second one as a model run over a command, the others as
+ * whole sessions on a record that no machine makes. Prints the longest slice of all of them, and of the model steps
+ * alone the most work. */
+static void look_combinations(const char* name, const ema_actuator_t* healthy, uint32_t effects, uint32_t number)
+{
+    uint32_t drawn = 2024U + effects;
+    uint32_t refused = 0U;
+    combined_ticks = 0U;
+    combining = true;
+    for (uint32_t k = 0; k < number; ++k) {
+        ema_actuator_t actuator = *healthy;
+        ema_model_t* const model = &objective.model;
+        draw_blocks(&actuator, &drawn);
+        for (uint32_t place = 0; (effects == EMA_COMBINED_ALL) && (place < COSTED);) {
+            place = (uint32_t)add_effect(&actuator, place);
+        }
+        for (uint32_t effect = 0; (effects != EMA_COMBINED_ALL) && (effect < effects); ++effect) {
+            uint32_t place = (uint32_t)((draw(&drawn) + EMA_R(1.0)) * EMA_R(0.5) * (ema_real)COSTED);
+            while ((place > 0U) && (strcmp(costed[place - 1U].effect, costed[place].effect) == 0)) {
+                --place;
+            }
+            (void)add_effect(&actuator, place);
+        }
+        if (draw(&drawn) > EMA_R(0.5)) {
+            (void)ema_actuator_set(&actuator, EMA_VALUE_ID(csj_Nm), actuator.params.csj_upper_Nm);
+        }
+        const uint32_t which = (uint32_t)((draw(&drawn) + EMA_R(1.0)) * EMA_R(1.0e6));
+        if (ema_model_init(model, &actuator, EMA_R(0.0)) != EMA_OK) {
+            ++refused;
+        } else if ((k & 1U) != 0U) {
+            look_session(NULL, &actuator, which % EMA_FED_KINDS);
+        } else {
+            worst_t slice = {0};
+            record_command(which % COMMANDS, actuator.params.travel_mm);
+            (void)run(name, &actuator, SLICE, &slice);
+            keep_most(&combined_ticks, slice.ticks);
+        }
+    }
+    combining = false;
+    (void)printf("combinations %s of %" PRIu32 " slice %llu refused %" PRIu32 "\n", name, number,
+                 instructions(combined_ticks), refused);
+}
+
 int main(int argc, char* argv[])
 {
     ema_actuator_t healthy;
     slices_alone = (argc > 1) && (strcmp(argv[1], "slices") == 0);
+    const bool alone = (argc > 2) && (strcmp(argv[1], "combinations") == 0);
+    const uint32_t combined = alone ? (uint32_t)strtoul(argv[2], NULL, 10) : (slices_alone ? 10U : 40U);
     ema_counter_start();
     (void)ema_actuator_defaults(&healthy);
+    healthy.options.day_values = 1;
+    look_combinations("pairs", &healthy, 2U, combined);
+    look_combinations("triples", &healthy, 3U, combined);
+    look_combinations("all", &healthy, EMA_COMBINED_ALL, (combined / 8U) + 1U);
+    if (alone) {
+        (void)printf("looked everywhere\n");
+        return 0;
+    }
+    /* of these the document states the longest by themselves */
+    most_ticks = 0U;
+    healthy.options.day_values = 0;
     ema_actuator_t actuator = healthy;
     look_free_and_seized("healthy", &actuator);
     for (size_t k = 0; k < COSTED;) {

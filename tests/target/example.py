@@ -121,10 +121,10 @@ def problems_of(output: str, exit_code: int, machine: Machine = WORN) -> list[st
         f"exit code {exit_code}, status {value_of(lines, 'status')}": exit_code == OK and value_of(lines, "status") == "ok",
         f"{count['ticks']} ticks, {count['ticks_searching']} of them while it searched": count["ticks"]
         == ROWS + count["ticks_searching"]
-        > ROWS + 1000,
+        > ROWS + 200,
         f"{count['late_ticks']} late ticks": count["late_ticks"] == 0,
         f"a tick of {count['tick_us']} us": 0 < count["tick_us"] < 1000,
-        f"{count['overruns']} overruns in {count['slices']} slices": count["overruns"] == 0 and count["slices"] > 1000,
+        f"{count['overruns']} overruns in {count['slices']} slices": count["overruns"] == 0 and count["slices"] > 500,
         f"a slice of {count['slice_us']} us, {count['allowed_us']} allowed": 0 < count["slice_us"] <= count["allowed_us"],
         f"verdict {value_of(lines, 'verdict')}": value_of(lines, "verdict") == machine.verdict,
         **wanted_of(lines, machine),

@@ -34,6 +34,7 @@ SHARED = {
     "evaluations": 1,
     "model_steps": 1,
     "random": 1,
+    "stage": 1,
     "outcome": 1,
     "verdict": 1,
     "adequate": 1,
@@ -61,7 +62,7 @@ def shared_part(output: str, who: str, values: int = 2) -> tuple[str, int]:
         raise WrongAnswerError(f"{who}: not fed with {ROWS} rows")
     slices = int(lines[names.index("slices")].split()[1])
     steps = int(lines[names.index("model_steps")].split()[1])
-    if steps < 100 * ROWS:
+    if steps < 5 * ROWS:
         raise WrongAnswerError(f"{who}: {steps} model steps are no identification")
     return "\n".join(line for line in lines if not line.startswith("slices ")), slices
 
@@ -122,7 +123,7 @@ def check(given: argparse.Namespace) -> int:
     reference = ""
     fewest = sys.maxsize
     for slice_steps in given.slices:
-        arguments = [given.case, str(given.seed), str(slice_steps), "real"]
+        arguments = [given.case, str(given.seed), str(slice_steps), "real", given.search]
         who = f"case {given.case}, seed {given.seed}, slice {slice_steps}"
         on_host = subprocess.run([str(given.host / "ema_answer"), *arguments], capture_output=True, text=True, check=False)
         host, host_slices = shared_part(on_host.stdout, f"{who}, host", VALUES[given.case])
@@ -154,6 +155,7 @@ def main() -> int:
     parser.add_argument("--case", required=True, choices=tuple(VALUES))
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--slices", type=int, nargs="+", required=True, help="model steps of a slice, growing")
+    parser.add_argument("--search", choices=("annealer", "two_stages"), default="two_stages")
     parser.add_argument("--answer", type=Path, help="the stored answer of the desk's library, in the place of the host program's")
     given = parser.parse_args()
     try:

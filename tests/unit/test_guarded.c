@@ -19,6 +19,7 @@ void setUp(void)
     ema_signature_rig(&rig, &healthy);
     const ema_record_config_t record = ema_rig_real_record(buffer, sizeof buffer, true);
     EMA_ASSERT_STATUS(EMA_OK, ema_session_config_default(&config, &healthy, &record));
+    config.search = EMA_SEARCH_ANNEALER;
     (void)memset(&guarded, 0xA5, sizeof guarded);
 }
 

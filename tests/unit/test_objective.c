@@ -116,7 +116,7 @@ static uint32_t first_slices(ema_real csj_Nm, ema_real stribeck_rise, uint32_t* 
     other.params.csj_Nm = csj_Nm;
     EMA_ASSERT_STATUS(EMA_OK, ema_actuator_set(&other, EMA_EFFECT_VALUE_ID(stribeck_friction, rise), stribeck_rise));
     ema_objective_t objective = started(position_only, EMA_COST_MAX);
-    const uint32_t most = EMA_STEP_WORK_MAX(objective.model.plant.substeps);
+    const uint32_t most = EMA_STEP_WORK_MAX(objective.model.plant.substeps, objective.model.plant.forces_work);
     for (uint32_t slice = 0; slice < 4U; ++slice) {
         (void)ema_objective_run(&objective, 200U);
         TEST_ASSERT_TRUE(objective.model.work.spent >= 200U);

@@ -8,9 +8,11 @@
 #if EMA_REAL64
 #define RUN_FINGERPRINT UINT64_C(0xD39ED1042121DE59)
 #define SEARCH_FINGERPRINT UINT64_C(0x014AC409032FFBA5)
+#define STAGES_FINGERPRINT UINT64_C(0x11C42645CECD38F3)
 #else
 #define RUN_FINGERPRINT UINT64_C(0x7687E81C61135028)
 #define SEARCH_FINGERPRINT UINT64_C(0x4A413252CC0610D1)
+#define STAGES_FINGERPRINT UINT64_C(0x86A1F32E0985AA72)
 #endif
 
 static ema_real buffer[2U * FINGERPRINT_ROWS];
@@ -50,7 +52,8 @@ static void test_an_identification_has_the_same_bits_everywhere(void)
     ema_actuator_t healthy;
     TEST_ASSERT_EQUAL(EMA_OK, ema_actuator_defaults(&healthy));
     const ema_record_config_t record = {.buffer = buffer, .buffer_bytes = sizeof buffer, .format = EMA_RECORD_REAL};
-    TEST_ASSERT_EQUAL_HEX64(SEARCH_FINGERPRINT, fingerprint_of_answer(&healthy, &record));
+    TEST_ASSERT_EQUAL_HEX64(SEARCH_FINGERPRINT, fingerprint_of_answer(&healthy, &record, EMA_SEARCH_ANNEALER));
+    TEST_ASSERT_EQUAL_HEX64(STAGES_FINGERPRINT, fingerprint_of_answer(&healthy, &record, EMA_SEARCH_TWO_STAGES));
 }
 
 int main(void)

@@ -15,6 +15,7 @@ void setUp(void)
     ema_signature_rig(&rig, &healthy);
     const ema_record_config_t record = ema_rig_real_record(buffer, sizeof buffer, true);
     EMA_ASSERT_STATUS(EMA_OK, ema_session_config_default(&config, &healthy, &record));
+    config.search = EMA_SEARCH_ANNEALER;
     EMA_ASSERT_STATUS(EMA_OK, ema_session_init(&session, &config));
 }
 
@@ -90,14 +91,14 @@ static void search_begins_where_it_was_placed(void)
     TEST_ASSERT_TRUE(session.annealer.temperature == config.annealer.initial_temperature);
     /* the healthy machine is run first, whatever the slices; its cost sets the temperature and is not told */
     while (!session.healthy_done) {
-        EMA_ASSERT_STATUS(EMA_OK, ema_session_run_placed(&session, 900U));
+        EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 900U));
     }
     TEST_ASSERT_EQUAL_UINT32(0U, session.annealer.info.evaluations);
     TEST_ASSERT_TRUE(session.annealer.temperature < config.annealer.initial_temperature);
     EMA_ASSERT_CLOSE(0.001 * (double)session.healthy_cost, (double)session.annealer.temperature, 0.0, 1e-6);
     EMA_ASSERT_CLOSE(0.5, (double)session.annealer.candidate.x[0], 1e-6, 0.0);
     while (ema_session_phase(&session) != EMA_PHASE_DONE) {
-        EMA_ASSERT_STATUS(EMA_OK, ema_session_run_placed(&session, 900U));
+        EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 900U));
     }
     ema_result_t result;
     EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));

@@ -1,4 +1,5 @@
-/* The whole module through its four calls: answers on its own records, verdicts, slices, copies, and every refusal. */
+/* The whole module through its four calls: answers on its own records, verdicts, slices, copies, and every refusal. The
+ * search is the annealer's alone; test_session_stages.c is about both stages. */
 #include "ema/ema.h"
 
 #include <math.h>
@@ -20,6 +21,7 @@ void setUp(void)
     (void)memset(&session, 0, sizeof session);
     const ema_record_config_t record = ema_rig_real_record(buffer, sizeof buffer, false);
     EMA_ASSERT_STATUS(EMA_OK, ema_session_config_default(&config, &healthy, &record));
+    config.search = EMA_SEARCH_ANNEALER;
 }
 
 void tearDown(void)
@@ -655,6 +657,7 @@ static void test_undecided_at_the_lower_bound(void)
     healthy.params.csj_lower_Nm = EMA_R(0.12);
     const ema_record_config_t record = config.record;
     EMA_ASSERT_STATUS(EMA_OK, ema_session_config_default(&config, &healthy, &record));
+    config.search = EMA_SEARCH_ANNEALER;
     const truth_t truth = truth_of(EMA_R(0.1), EMA_R(0.033));
     const ema_result_t result = identify(&truth);
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);

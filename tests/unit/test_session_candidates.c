@@ -31,6 +31,7 @@ static void start(void)
     worn.params.viscous_Nm_s_per_rad = EMA_R(4.0e-4);
     ema_rig_record(&made, &record, &worn, &command, ROWS);
     EMA_ASSERT_STATUS(EMA_OK, ema_session_config_default(&config, &healthy, &record));
+    config.search = EMA_SEARCH_ANNEALER;
     const ema_identified_t viscous = {EMA_VALUE_ID(viscous_Nm_s_per_rad), EMA_R(1.0e-5), EMA_R(10.0), EMA_R(50.0)};
     config.identified[0] = viscous;
     config.identified_count = 1U;

@@ -39,7 +39,7 @@ void tearDown(void)
 
 static void test_an_answer_has_the_bits_of_every_build(void)
 {
-    TEST_ASSERT_EQUAL_HEX64(ANSWER_FINGERPRINT, fingerprint_of_answer(&actuator, &record));
+    TEST_ASSERT_EQUAL_HEX64(ANSWER_FINGERPRINT, fingerprint_of_answer(&actuator, &record, EMA_SEARCH_ANNEALER));
 }
 
 /* The loop sees the rod here, which no choice forbids. */
@@ -48,7 +48,7 @@ static void test_an_answer_with_an_effect_has_them_too(void)
 #if EMA_TEST_SOME
     actuator.options.side = 1;
     actuator.effects.stribeck_friction.rise = EMA_R(0.3);
-    TEST_ASSERT_EQUAL_HEX64(EFFECT_FINGERPRINT, fingerprint_of_answer(&actuator, &record));
+    TEST_ASSERT_EQUAL_HEX64(EFFECT_FINGERPRINT, fingerprint_of_answer(&actuator, &record, EMA_SEARCH_ANNEALER));
 #else
     actuator.effects.stribeck_friction.rise = EMA_R(0.3);
     size_t offender = 0U;

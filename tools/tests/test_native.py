@@ -83,7 +83,8 @@ def test_sample_that_cannot_be_taken_is_counted() -> None:
 def test_progress_sees_the_search_and_can_end_it() -> None:
     record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
     seen: list[tuple[int, float, float, tuple[float, ...]]] = []
-    answer = library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), None, lambda *what: seen.append(what))
+    annealer = SearchSettings(search="annealer")
+    answer = library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), annealer, lambda *what: seen.append(what))
     bests = [best for _, _, best, _ in seen]
     assert bests == sorted(bests, reverse=True)
     assert [run for run, *_ in seen] == sorted({run for run, *_ in seen})
@@ -106,6 +107,18 @@ def test_progress_sees_the_search_and_can_end_it() -> None:
 
     with pytest.raises(Enough):
         library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), None, stop)
+
+
+def test_progress_sees_the_best_points_of_the_least_squares() -> None:
+    record = chirp_record(reference_actuator().changed({"screw.csj_Nm": 0.2}))
+    seen: list[tuple[int, float, float, tuple[float, ...]]] = []
+    answer = library(32).identify(VALUES, OPTIONS, record.command_mm, record.table(), None, lambda *what: seen.append(what))
+    assert answer.stage == "least_squares"
+    # three model runs side by side
+    assert [run for run, *_ in seen] == list(range(3, answer.evaluations + 1, 3))
+    costs = [cost for _, cost, _, _ in seen]
+    assert costs == sorted(costs, reverse=True) and costs[-1] == pytest.approx(answer.objective_after)
+    assert seen[-1][3] == pytest.approx([one.estimate for one in answer.identified], rel=1e-6)
 
 
 def test_slices_and_threads_change_nothing() -> None:

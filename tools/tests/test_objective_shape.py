@@ -62,7 +62,8 @@ def test_the_map_holds_both_and_the_path_is_the_searchs() -> None:
     assert surface.values[1][down] == pytest.approx(found.answer.identified[1].estimate, rel=1e-6)
     for values, one in zip(surface.values, found.answer.identified, strict=True):
         assert values[0] < found.healthy[one.name] < values[-1] and values[0] < one.estimate < values[-1]
-    assert len(shape.cost) >= 0.95 * found.answer.evaluations
+    # the least squares show one point for three model runs
+    assert 3 * len(shape.cost) >= 0.95 * found.answer.evaluations
     best = int(np.argmin(shape.cost))
     for one in found.answer.identified:
         tried = shape.tried[one.name]

@@ -23,7 +23,7 @@ from support import EXPORTED, ROOT
 
 UNIT = ROOT / "recordings" / "unit"
 TABLE = EXPORTED / "ace_unit_signatures.h"
-VECTOR = ROOT / "tests" / "vectors" / session.FILE
+VECTORS = ROOT / "tests" / "vectors"
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="the truth plant takes minutes a record without Numba")
 
 
@@ -86,7 +86,8 @@ def test_behind_the_table_the_answer_is_the_same_and_names_what_is_missing() -> 
             assert behind.finding.kind == "adequate"
 
 
-def test_the_stored_answer_is_that_of_the_desk() -> None:
-    stored = json.loads(VECTOR.read_text(encoding="utf-8"))
-    assert stored["answer"] == session.answer()
+@pytest.mark.parametrize("search", session.FILES)
+def test_the_stored_answer_is_that_of_the_desk(search: str) -> None:
+    stored = json.loads((VECTORS / session.FILES[search]).read_text(encoding="utf-8"))
+    assert stored["answer"] == session.answer(search)
     assert [len(stored["answer"][name]) for name in ("estimate", "std", "shift_percent")] == [4, 4, 4]

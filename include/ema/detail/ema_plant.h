@@ -227,7 +227,9 @@ typedef struct {
 
 typedef struct {
     bool tries_whole_step; /* a model step, or each part of a late one, is tried in one before it is divided */
-    uint16_t substeps;
+    uint8_t substeps;
+    uint8_t step_work;   /* what a model step, or a part of a late one, counts in plain steps before anything happens */
+    uint8_t forces_work; /* and asking once for what acts: see ema_step_scratch.h */
     ema_active_t active;
     const ema_effects_t* learned; /* where the tables lie; NULL while none acts */
     ema_pid_t pid;

@@ -40,10 +40,15 @@ typedef struct {
     bool pushed[2]; /* the run at the estimate has pushed the rod back, and forward */
     ema_real weight[EMA_CHANNEL_COUNT];
     ema_real delta[EMA_IDENTIFIED_MAX];
-    ema_real normal[EMA_IDENTIFIED_MAX][EMA_IDENTIFIED_MAX]; /* J'J */
+    ema_real normal[(EMA_IDENTIFIED_MAX * (EMA_IDENTIFIED_MAX + 1U)) / 2U]; /* J'J, lower triangle row by row */
+    ema_real gradient[EMA_IDENTIFIED_MAX];                                  /* J'r, r measured minus simulated */
     ema_residual_t residual;
+    ema_real period_s; /* of the record */
+    ema_real cost;     /* the objective of the run at the estimate, bit for bit that of ema_objective.h */
+    ema_real cost_low;
+    ema_real limit;           /* the runs are given up once the cost exceeds it */
     ema_real shared_noise_mm; /* of the rod position's sensor */
-    uint32_t parameters;
+    uint32_t parameters;      /* 0: the run at the estimate alone, for its cost */
     uint32_t channels;
     uint32_t prepared;   /* runs whose model is made */
     uint32_t next_run;   /* whose turn it is */

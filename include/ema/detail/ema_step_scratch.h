@@ -111,16 +111,22 @@ typedef struct {
 /* Work is counted in plain steps, as slices are: a model step in which nothing happens and no effect acts is one (each
  * of its substeps, where the plant needs several), and these count besides what they take, as counted on the target. */
 #define EMA_WORK_SERIES 5U /* the end of a segment that an event may cut short, and the search for that */
-#define EMA_WORK_FORCES 1U /* what effects say at a point */
+
+/* What `effects` that act on the motion say at a point of it: each takes a fifth to a third of what asking for none
+ * does. */
+#define EMA_WORK_FORCES(effects) (1U + (((uint32_t)(effects) + 1U) / 3U))
+#define EMA_WORK_FORCES_MAX EMA_WORK_FORCES(EMA_EFFECT_COUNT)
+
+/* What watching learned tables, or adding to the rod sensor's reading, takes in a model step. */
+#define EMA_WORK_READING 1U
 
 /* The most that one model step counts, by its structure: itself, a try of the whole and, for each substep, a try and
- * EMA_EVENTS_MAX events; twice that with a delay of the output. What was found by looking is a quarter of it and less:
- * docs/BUDGETS.md. */
-#define EMA_STEP_WORK_MAX(substeps)                                                                                    \
+ * EMA_EVENTS_MAX events, with `forces` of the plant's forces_work; twice that with a delay of the output. What was
+ * found by looking is a quarter of it and less: docs/BUDGETS.md. */
+#define EMA_STEP_WORK_MAX(substeps, forces)                                                                            \
     (2U                                                                                                                \
-     * (1U + (6U * EMA_WORK_FORCES)                                                                                    \
-        + ((substeps)                                                                                                  \
-           * (1U + (2U * EMA_WORK_FORCES) + (EMA_EVENTS_MAX * ((3U * EMA_WORK_FORCES) + (2U * EMA_WORK_SERIES)))))))
+     * (1U + EMA_WORK_READING + (6U * (forces))                                                                        \
+        + ((substeps) * (1U + (2U * (forces)) + (EMA_EVENTS_MAX * ((3U * (forces)) + (2U * EMA_WORK_SERIES)))))))
 
 typedef struct {
     uint32_t spent;                   /* by the slice so far, in plain steps; only whoever runs one reads it */

@@ -35,6 +35,9 @@ POINT = ("current_A", "speed_rad_s", "angle_rad", "motor_mm", "voltage_V", "leve
 COMMAND_KINDS = ("chirp", "multisine", "triangle", "trapezoid", "step")
 COMMAND_NUMBERS = ("amplitude_mm", "start_hz", "end_hz", "duration_s", "share", "count", "time_s")
 OUTCOMES = {0: "tolerance", 1: "active", 2: "budget", 3: "count"}
+# How the session searches, `ema_search_t`, and which stage gave its best point, `ema_stage_t`.
+SEARCHES = ("annealer", "two_stages")
+STAGES = ("annealer", "least_squares")
 VERDICTS = {0: "healthy", 1: "fault", 2: "undecided"}
 NOT_DETERMINED = 32
 FINDINGS = ("adequate", "missing", "unknown", "none")
@@ -96,6 +99,7 @@ class _SearchStructure(ctypes.Structure):
         ("cooling", c_double),
         ("function_tolerance", c_double),
         ("seed", c_int64),
+        ("search", c_int32),
     ]
 
 
@@ -122,6 +126,7 @@ class _Result(ctypes.Structure):
         ("half_95", c_double * IDENTIFIED_MAX),
         ("scatter_percent", c_double * IDENTIFIED_MAX),
         ("today", c_double * IDENTIFIED_MAX),
+        ("stage", c_int32),
     ]
 
 
@@ -227,6 +232,7 @@ class SearchSettings:
     abandon: bool | None = None
     int16_record: bool | None = None
     slice_steps: int | None = None
+    search: str | None = None  # of SEARCHES
 
 
 @dataclass(frozen=True)
@@ -339,6 +345,7 @@ class Identification:
     reasons: tuple[str, ...]
     random_state: int
     finding: Finding | None = None  # with a table of signatures alone
+    stage: str = STAGES[0]  # that gave the best point
     day: tuple[IdentifiedValue, ...] = ()
 
 
@@ -624,6 +631,8 @@ class Library:
             number = getattr(search, name)
             if number is not None:
                 setattr(raw, name, number)
+        if search.search is not None:
+            raw.search = SEARCHES.index(search.search)
         return raw
 
     def identify(
@@ -700,6 +709,7 @@ class Library:
             accepted=result.accepted,
             accepted_uphill=result.accepted_uphill,
             outcome=OUTCOMES[result.outcome],
+            stage=STAGES[result.stage],
             verdict=VERDICTS[result.verdict],
             adequate=bool(result.adequate),
             reasons=tuple(text for bit, text in REASONS.items() if result.reasons & bit),

@@ -130,14 +130,15 @@ def _text_of(manifest: Mapping[str, Any]) -> str:
     return "{\n " + ",\n ".join(entries) + "\n}\n"
 
 
-def _session_text() -> str:
+def _session_text(search: str) -> str:
     content = {
         "shows": "a session with standing effects in its model and grease and winding of the day searched beside CSJ and BLK",
         "source": "the desk's float32 library, record kept in float32; reals as the bits of float32",
         "actuator": f"recordings/unit/{session.ACTUATOR}",
         "record": f"recordings/unit/{session.RECORD}",
         "seed": session.SEED,
-        "answer": session.answer(),
+        "search": search,
+        "answer": session.answer(search),
     }
     return json.dumps(content, indent=1) + "\n"
 
@@ -154,7 +155,7 @@ def files() -> dict[str, bytes]:
     return {
         MANIFEST: _text_of(manifest).encode(),
         NUMBERS: b"".join(content.values()),
-        session.FILE: _session_text().encode(),
+        **{name: _session_text(search).encode() for search, name in session.FILES.items()},
     }
 
 

@@ -12,10 +12,10 @@ from pathlib import Path
 from ema_tools.base.errors import InputError
 from ema_tools.data.actuator import read_actuator
 from ema_tools.data.records import read_record
-from ema_tools.plant.native import OUTCOMES, REASONS, VERDICTS, Identification, SearchSettings
+from ema_tools.plant.native import OUTCOMES, REASONS, STAGES, VERDICTS, Identification, SearchSettings
 from ema_tools.tasks.onboard_search import run
 
-FILE = "session_own_unit.json"
+FILES = {"annealer": "session_own_unit_annealer.json", "two_stages": "session_own_unit_two_stages.json"}  # by SearchSettings.search
 UNIT = Path(__file__).resolve().parents[3] / "recordings" / "unit"
 ACTUATOR, RECORD = "unit.toml", "worn.csv"
 SEED = 1
@@ -42,6 +42,7 @@ def answer_of(found: Identification) -> dict[str, list[str]]:
         "evaluations": [str(found.evaluations)],
         "model_steps": [str(found.model_steps)],
         "random": [f"{found.random_state:016x}"],
+        "stage": [str(STAGES.index(found.stage))],
         "outcome": [_number(OUTCOMES, found.outcome)],
         "verdict": [_number(VERDICTS, found.verdict)],
         "adequate": [str(int(found.adequate))],
@@ -49,10 +50,10 @@ def answer_of(found: Identification) -> dict[str, list[str]]:
     }
 
 
-def answer() -> dict[str, list[str]]:
-    """The answer on the worn unit of the shipped recordings. Raises InputError where the session would not go the way that this is for."""
+def answer(search: str) -> dict[str, list[str]]:
+    """The answer of a `search` (of FILES) on the worn unit of the shipped recordings. Raises InputError where the session would not go the way that this is for."""
     unit = read_actuator(UNIT / ACTUATOR)
-    found = run(unit, read_record(UNIT / RECORD, unit), SearchSettings(seed=SEED), 32)
+    found = run(unit, read_record(UNIT / RECORD, unit), SearchSettings(seed=SEED, search=search), 32)
     if len(found.day) != 2 or not unit.active_effects:
         raise InputError(f"{ACTUATOR}: no standing effects, or no values of the day: calibrate it on the unit's healthy runs")
     return answer_of(found)
