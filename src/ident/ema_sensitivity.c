@@ -166,7 +166,9 @@ static EMA_NOINLINE bool ema_sensitivity_factor(const ema_sensitivity_t* self, e
         for (uint32_t j = 0; determined && (j <= i); ++j) {
             row[j] = normal[j] / (length[i] * length[j]);
         }
-        row[i] += (((held >> i) & 1U) != 0U) ? EMA_DAMPING_HELD : damping;
+        if (determined) {
+            row[i] += (((held >> i) & 1U) != 0U) ? EMA_DAMPING_HELD : damping;
+        }
         normal = &normal[i + 1U];
         row = &row[i + 1U];
     }
