@@ -15,12 +15,12 @@ from ema_tools.base.arrays import Reals
 from ema_tools.base.compiled import HAS_NUMBA
 from ema_tools.data.actuator import reference_actuator
 from ema_tools.fit.whitening import incoherent_power, lines_of
-from ema_tools.infer.posterior import FittedSet, Nuisance, Posterior, Scale, Setting, posterior
+from ema_tools.infer.posterior import FittedSet, Given, Nuisance, Posterior, Scale, posterior
 from ema_tools.infer.priors import log_odds, value_prior
 
 NOISE = 40_000.0  # of as many independent numbers
-BY_DATA_SHEET = Setting(reference_actuator(), NOISE, 0.0, 0.1 * NOISE, 2.0, 5.0, False)
-BESIDE_HEALTHY = Setting(reference_actuator(), NOISE, 570.0, 5.0, 2.0, 5.0, True)
+BY_DATA_SHEET = Given(reference_actuator(), NOISE, 0.0, 0.1 * NOISE, 2.0, 5.0, False)
+BESIDE_HEALTHY = Given(reference_actuator(), NOISE, 570.0, 5.0, 2.0, 5.0, True)
 RISE, DIRECTED = "effects.stribeck_friction.rise", "effects.directional_stribeck.rise"
 SIZES = {"stribeck_friction": RISE, "directional_stribeck": DIRECTED, "cogging_torque": "effects.cogging_torque.amplitude_Nm"}
 

@@ -102,7 +102,7 @@ class FittedSet:
 
 
 @dataclass(frozen=True)
-class Setting:
+class Given:
     """What the evidence of a set is computed from beside its fit: the machine as known; the cost of `noise` alone, and by how much that of a record may be more by `chance`; the energy of the
     discrepancy of the `machine`'s own model, one standard deviation of its amplitude squared; how far the command reaches and the largest current; whether it is `relative` to baseline records."""
 
@@ -131,7 +131,7 @@ class _Term:
     is_named: bool
 
 
-def setting_of(evidence: Evidence, peak_A: float) -> Setting:
+def given_of(evidence: Evidence, peak_A: float) -> Given:
     """Of some evidence; `peak_A`: the largest current of the machine as known.
 
     What a model of the machine lacks is in its baseline records as well: what is left is a share of what has changed.
@@ -143,7 +143,7 @@ def setting_of(evidence: Evidence, peak_A: float) -> Setting:
         machine = _REPEATED * DIRECTIONS + _TRUSTED**2 * changed
         chance = _BY_CHANCE * max(float(np.std(costs, ddof=1)), math.sqrt(2.0 * evidence.numbers)) + evidence.counting
     reach_mm = float(np.max(np.abs(evidence.record.command_mm)))
-    return Setting(evidence.actuator, evidence.expected_cost(), chance, machine, reach_mm, peak_A, evidence.relative)
+    return Given(evidence.actuator, evidence.expected_cost(), chance, machine, reach_mm, peak_A, evidence.relative)
 
 
 def fitted_set(view: View) -> FittedSet:
@@ -182,21 +182,21 @@ def _nuisance(view: View, deviations: Reals, cost: float) -> Nuisance:
     return Nuisance(cost, axes.T @ deviations, axes, rates, scales)
 
 
-def posterior(setting: Setting, empty: FittedSet, sets: Sequence[FittedSet]) -> Posterior:
+def posterior(given: Given, empty: FittedSet, sets: Sequence[FittedSet]) -> Posterior:
     """Weighs the `empty` set and the fitted ones."""
     # what the best set leaves is the noise of this record, unless it is more than chance makes it
-    setting = replace(setting, noise=min(setting.noise + setting.chance, *(one.nuisance.costs(1.0)[0] for one in (empty, *sets))))
+    given = replace(given, noise=min(given.noise + given.chance, *(one.nuisance.costs(1.0)[0] for one in (empty, *sets))))
     best: dict[frozenset[str], FittedSet] = {}
     for one in sorted((empty, *sets), key=lambda fitted: fitted.cost):
         best.setdefault(one.causes, one)
     terms: list[_Term] = []
     for fitted in best.values():
-        terms += _terms(setting, fitted, empty)
+        terms += _terms(given, fitted, empty)
         # beside a machine that is known by its data sheet alone the discrepancy is large along all directions
-        for cause in fitted.causes if setting.relative else ():
+        for cause in fitted.causes if given.relative else ():
             without = best.get(fitted.causes - {cause})
             if without is not None:
-                terms += _taken_for_form(setting, fitted, without, empty)
+                terms += _taken_for_form(given, fitted, without, empty)
     logs = np.array([term.log_evidence for term in terms])
     weights = np.exp(logs - logsumexp(logs))
 
@@ -231,72 +231,72 @@ def _accepted(probability: Mapping[str, float], share: Callable[[Collection[str]
     return tuple(found)
 
 
-def _energy(setting: Setting, fitted: FittedSet, empty: FittedSet) -> float:
+def _energy(given: Given, fitted: FittedSet, empty: FittedSet) -> float:
     """Energy of the discrepancy of a set, one standard deviation of its amplitude squared."""
-    return setting.machine + _form_of(fitted.causes) ** 2 * max(empty.cost - fitted.cost, 0.0)
+    return given.machine + _form_of(fitted.causes) ** 2 * max(empty.cost - fitted.cost, 0.0)
 
 
-def _of_amplitudes(setting: Setting) -> tuple[Reals, Reals]:
+def _of_amplitudes(given: Given) -> tuple[Reals, Reals]:
     """Amplitudes of the named discrepancy over its usual one, and their prior probabilities."""
-    amplitudes = np.concatenate([_SMALL_AMPLITUDES, _AMPLITUDES]) if setting.relative else _AMPLITUDES
+    amplitudes = np.concatenate([_SMALL_AMPLITUDES, _AMPLITUDES]) if given.relative else _AMPLITUDES
     shares = np.exp(-0.5 * amplitudes**2) * np.gradient(amplitudes)
     return amplitudes, shares * (1.0 - _UNNAMED) / shares.sum()
 
 
-def _terms(setting: Setting, fitted: FittedSet, empty: FittedSet) -> list[_Term]:
+def _terms(given: Given, fitted: FittedSet, empty: FittedSet) -> list[_Term]:
     """The evidence of a set by energy of its discrepancy."""
-    energy = _energy(setting, fitted, empty)
-    log_evidence = _log_evidence(setting, fitted)
+    energy = _energy(given, fitted, empty)
+    log_evidence = _log_evidence(given, fitted)
     found = [
         _Term(math.log(share) + log_evidence(energy * amplitude**2), fitted.causes, True)
-        for amplitude, share in zip(*_of_amplitudes(setting), strict=True)
+        for amplitude, share in zip(*_of_amplitudes(given), strict=True)
     ]
-    most = max(empty.cost - setting.noise, energy)
+    most = max(empty.cost - given.noise, energy)
     energies = [energy * _NEXT_ENERGY**k for k in range(1, 2 + math.ceil(math.log(most / energy, _NEXT_ENERGY)))]
     return found + [_Term(math.log(_UNNAMED / len(energies)) + log_evidence(one), fitted.causes, False) for one in energies]
 
 
-def _taken_for_form(setting: Setting, fitted: FittedSet, without: FittedSet, empty: FittedSet) -> list[_Term]:
+def _taken_for_form(given: Given, fitted: FittedSet, without: FittedSet, empty: FittedSet) -> list[_Term]:
     """The evidence of the set `without` one cause of another one, where what that cause explains is the discrepancy of this set along the cause's direction, which is one of its many."""
     (cause,) = fitted.causes - without.causes
-    energy = _energy(setting, without, empty)
+    energy = _energy(given, without, empty)
     size = next(name for name in fitted.values if effect_of(name) == cause)
-    change = fitted.values[size] - setting.actuator[row_of(size).name]
+    change = fitted.values[size] - given.actuator[row_of(size).name]
     explained = without.cost - fitted.cost
     if change == 0.0 or explained <= 0.0:
         return []
     found = []
-    for amplitude, share in zip(*_of_amplitudes(setting), strict=True):
+    for amplitude, share in zip(*_of_amplitudes(given), strict=True):
         for along, its_share in _ALONG:
             if along * amplitude > _AMPLITUDES[-1]:
                 continue
             std = abs(change) * along * amplitude * math.sqrt(energy / DIRECTIONS / explained)
-            log_evidence = _log_evidence(setting, fitted, without.causes, {size: normal(change, std)})
+            log_evidence = _log_evidence(given, fitted, without.causes, {size: normal(change, std)})
             found.append(_Term(math.log(share * its_share) + log_evidence(energy * amplitude**2), without.causes, True))
     return found
 
 
 def _log_evidence(
-    setting: Setting, fitted: FittedSet, causes: Collection[str] | None = None, other: Mapping[str, ValuePrior] | None = None
+    given: Given, fitted: FittedSet, causes: Collection[str] | None = None, other: Mapping[str, ValuePrior] | None = None
 ) -> Callable[[float], float]:
     """The logarithm of the evidence of a set, by the energy of its discrepancy; as one of `causes` alone and with `other` priors of some values, where they are given."""
     free = list(fitted.values)[: len(fitted.curvature)]
-    given = other or {}
+    special = other or {}
     priors = [
-        given[name] if name in given else value_prior(setting.actuator, name, fitted.values[name], setting.reach_mm, setting.peak_A)
+        special[name] if name in special else value_prior(given.actuator, name, fitted.values[name], given.reach_mm, given.peak_A)
         for name in free
     ]
     slopes = np.array([one.slope for one in priors])
     curvature = fitted.curvature * np.outer(slopes, slopes) if priors else fitted.curvature
     precision = np.diag([one.precision for one in priors])
-    known = log_odds(fitted.causes if causes is None else causes, setting.relative) - log_choices(fitted.values)
+    known = log_odds(fitted.causes if causes is None else causes, given.relative) - log_choices(fitted.values)
     known += sum(one.log_density for one in priors) + 0.5 * len(priors) * math.log(2.0 * math.pi)
 
     def log_evidence(energy: float) -> float:
         square = in_noise(energy)
         volume = float(np.linalg.slogdet(curvature / square + precision)[1]) if priors else 0.0
         data_cost, nuisance_cost = fitted.nuisance.costs(square)
-        return known - 0.5 * (DIRECTIONS * math.log(square) + max(data_cost - setting.noise, 0.0) / square + nuisance_cost + volume)
+        return known - 0.5 * (DIRECTIONS * math.log(square) + max(data_cost - given.noise, 0.0) / square + nuisance_cost + volume)
 
     return log_evidence
 

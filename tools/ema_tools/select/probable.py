@@ -11,7 +11,7 @@ from ema_tools.base.errors import InputError
 from ema_tools.fit.evidence import Evidence, settled, simulate_channels
 from ema_tools.fit.misfit import in_noise
 from ema_tools.fit.refit import Fit, jointly, refit
-from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, posterior, setting_of
+from ema_tools.infer.posterior import REPORTED, Posterior, fitted_set, fitted_sets, given_of, posterior
 from ema_tools.library.faults import effect_of
 from ema_tools.library.registry import record_of
 from ema_tools.select.outcome import Diagnosis, Named, Path
@@ -23,7 +23,7 @@ UNNAMED = 0.5  # probability of an unnamed cause from which on the verdict is un
 def weighed(pool: Sequence[Fit], path: Path, strategy: Strategy) -> Diagnosis:
     """The diagnosis from a `pool` of fitted sets of causes, those of the search's path among them."""
     evidence = strategy.evidence
-    found = posterior(setting_of(evidence, _peak_A(evidence)), fitted_set(strategy.places()[-1]), fitted_sets(pool))
+    found = posterior(given_of(evidence, _peak_A(evidence)), fitted_set(strategy.places()[-1]), fitted_sets(pool))
     steps = _steps(found.accepted, pool, strategy)
     verdict = "missing" if steps else "unknown" if found.unnamed > UNNAMED else "adequate"
     if steps:
