@@ -5,12 +5,13 @@ deviations. The evidence of S by Laplace's method (D. J. C. MacKay, "Bayesian in
 
     ln L(S, M) = ln odds(S) + ln p(M | S) - (k/2) ln s^2 - (D - noise) / (2 s^2) - Z/2 + ln p(v) + (q/2) ln 2 pi - 1/2 ln det(H / s^2 + P),    s^2 = 1 + M / k,
 
-with v the q fitted values, H the curvature of the cost about them, P the precision of their priors, and z where D / s^2 + z'z is least, in closed form, as D is a parabola. No model has exactly
-the form of the machine: M is the energy of the discrepancy along k directions, in units of the noise's variance (after M. C. Kennedy, A. O'Hagan, "Bayesian calibration of computer models", J. Royal
-Statistical Society B 63, 2001). Its amplitude is half-normal: of a machine that is known by its data sheet a share of the noise, of a cause a share of what that cause explains. More than that is an
-unnamed cause, with a prior of its own and an energy up to all that the empty set leaves. How far a nuisance parameter goes is itself known from few values: its scale has a scaled inverse
-chi-square prior of `freedom` values; integrated out over what the record determines, it gives Z in place of z'z. The parameters of a unit have one scale in common for their distance from the data
-sheet; what varies from run to run has scales of its own, of which the baseline records and the usual ones tell.
+with v the q fitted values, H the curvature of the cost about them, P the precision of their priors, and z where D / s^2 + z'z is least, in closed form, as D is a parabola. No model has
+exactly the form of the machine: M is the energy of the discrepancy along k directions, in units of the noise's variance (after M. C. Kennedy, A. O'Hagan, "Bayesian calibration of computer
+models", J. Royal Statistical Society B 63, 2001). Its amplitude is half-normal: of a machine that is known by its data sheet a share of the noise, of one beside its baseline records a share
+of what has changed, of a cause a share of what that cause explains. Beside baseline records a set is also weighed as the discrepancy of the set without one of its causes, along that cause's
+direction. More than that is an unnamed cause, with a prior of its own and an energy up to all that the empty set leaves. How far a nuisance parameter goes is itself known from few values:
+its scale has a scaled inverse chi-square prior of `freedom` values; integrated out over what the record determines, it gives Z in place of z'z. The parameters of a unit have one scale in
+common for their distance from the data sheet; what varies from run to run has scales of its own, of which the baseline records and the usual ones tell.
 """
 
 from __future__ import annotations
