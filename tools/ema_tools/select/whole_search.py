@@ -19,7 +19,7 @@ from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 _SUPPLY_ROUNDS = 3  # of the search with the voltage that was given, as each finds it [effort]
-_OF_NO_DAY = 4.0  # standard deviations of a day's supply that no day makes [chance]
+_OF_NO_DAY = 7.5  # standard deviations of a day's supply at which a cause of another one is more probable [chance]
 
 
 def diagnosed(evidence: Evidence, report: Report = untold, only: Collection[str] | None = None) -> tuple[Evidence, Diagnosis]:
