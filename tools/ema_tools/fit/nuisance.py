@@ -29,10 +29,9 @@ BESIDES: Mapping[tuple[str, ...], float] = {
     ("motor.inductance_H",): 0.005,
     ("control.kp_per_m",): 0.0005,
 }
-# Where the recorded voltage is what the controller asks for of a supply that is taken for constant, it is less where the supply gives more: by this from run to run, relative, and on a unit that is
-# known by its data sheet alone [judgement]
+# Where the recorded voltage is what the controller asks for of a supply that is taken for constant, it is less where the supply gives more: by this from run to run, relative [judgement]
 ASKED = "asked voltage"
-ASKED_VARIES, UNIT_ASKED = 0.002, 0.01
+ASKED_VARIES = 0.002
 # The same of what a data sheet gives as zero, in its own unit [judgement]
 BESIDES_IN_UNIT: Mapping[str, float] = {
     "screw.friction_asymmetry": 0.0005,

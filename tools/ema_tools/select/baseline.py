@@ -303,8 +303,7 @@ def _of_data_sheet(actuator: Actuator, record: Record, names: tuple[str, ...], g
 
     def with_slight(unit: Actuator, wanted: Sequence[Mapping[str, float]]) -> Evidence:
         gains = _gains_of_sensors(names, simulate_channels(unit, record, names, start))
-        asked = directions_of(unit, record, names, start, (spreads.asked(spreads.UNIT_ASKED),))[1] if "voltage_V" in names else gains[:0]
-        additive = np.concatenate([_zeros_of_sensors(names, measured), gains, asked, _slight_effects(unit, record, names, start, wanted)])
+        additive = np.concatenate([_zeros_of_sensors(names, measured), gains, _slight_effects(unit, record, names, start, wanted)])
         return Evidence(
             actuator,
             record,
