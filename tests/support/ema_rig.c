@@ -79,6 +79,17 @@ void ema_rig_record(ema_record_t* record, const ema_record_config_t* config, con
     }
 }
 
+ema_result_t ema_rig_result(ema_session_t* session, uint32_t steps)
+{
+    ema_result_t result;
+    (void)memset(&result, 0, sizeof result);
+    while (ema_session_phase(session) != EMA_PHASE_DONE) {
+        EMA_ASSERT_STATUS(EMA_OK, ema_session_run(session, steps));
+    }
+    EMA_ASSERT_STATUS(EMA_OK, ema_session_result(session, &result));
+    return result;
+}
+
 ema_record_config_t ema_rig_real_record(void* buffer, size_t bytes, bool all)
 {
     const ema_record_config_t config = {

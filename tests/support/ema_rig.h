@@ -38,6 +38,9 @@ ema_command_t ema_rig_chirp(ema_real end_hz, ema_real duration_s, ema_real step_
 void ema_rig_record(ema_record_t* record, const ema_record_config_t* config, const ema_actuator_t* actuator,
                     const ema_command_t* command, uint32_t rows);
 
+/* The result of a fed session that is run to its end in slices of `steps`. */
+ema_result_t ema_rig_result(ema_session_t* session, uint32_t steps);
+
 /* A record of reals with the command in it; `all` keeps every channel, else the rod position alone. */
 ema_record_config_t ema_rig_real_record(void* buffer, size_t bytes, bool all);
 

@@ -49,24 +49,13 @@ static void feed(const ema_actuator_t* truth)
     }
 }
 
-static ema_result_t run(uint32_t steps)
-{
-    ema_result_t result;
-    (void)memset(&result, 0, sizeof result);
-    while (ema_session_phase(&session) != EMA_PHASE_DONE) {
-        EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, steps));
-    }
-    EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));
-    return result;
-}
-
 static void test_a_fault_is_found_behind_a_learned_table(void)
 {
     ema_actuator_t worn = healthy;
     worn.params.csj_Nm = EMA_R(0.2);
     worn.params.blk_mm = EMA_R(0.045);
     feed(&worn);
-    const ema_result_t result = run(UINT32_MAX);
+    const ema_result_t result = ema_rig_result(&session, UINT32_MAX);
     EMA_ASSERT_CLOSE(0.2, result.identified[0].estimate, 0.0, 1.0e-3);
     EMA_ASSERT_CLOSE(0.045, result.identified[1].estimate, 0.0, 1.0e-2);
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_FAULT, result.verdict);
@@ -75,7 +64,7 @@ static void test_a_fault_is_found_behind_a_learned_table(void)
     /* without the table the same record is explained otherwise, or not at all */
     healthy.effects.learned_friction.gain = EMA_R(0.0);
     feed(&worn);
-    const ema_result_t without = run(UINT32_MAX);
+    const ema_result_t without = ema_rig_result(&session, UINT32_MAX);
     TEST_ASSERT_TRUE(fabs((double)without.identified[0].estimate - 0.2) > 0.01);
 }
 
@@ -83,7 +72,7 @@ static void test_the_verdict_says_that_a_table_was_left(void)
 {
     learn(&healthy, 1.2);
     feed(&healthy);
-    const ema_result_t result = run(UINT32_MAX);
+    const ema_result_t result = ema_rig_result(&session, UINT32_MAX);
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
     TEST_ASSERT_EQUAL_HEX32(EMA_REASON_LEARNED_RANGE, result.reasons);
     TEST_ASSERT_TRUE(result.adequate);
@@ -103,7 +92,7 @@ static void test_less_than_half_a_distance_between_nodes_is_not_outside(void)
     }
     learn(&healthy, farthest_mm * 0.98);
     feed(&healthy);
-    const ema_result_t result = run(UINT32_MAX);
+    const ema_result_t result = ema_rig_result(&session, UINT32_MAX);
     TEST_ASSERT_TRUE(result.outside_ratio > EMA_R(0.0));
     TEST_ASSERT_EQUAL_HEX32(0U, result.reasons);
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_HEALTHY, result.verdict);
@@ -115,13 +104,13 @@ static void test_slices_and_copies_change_nothing(void)
     ema_actuator_t worn = healthy;
     worn.params.csj_Nm = EMA_R(0.18);
     feed(&worn);
-    const ema_result_t whole = run(UINT32_MAX);
+    const ema_result_t whole = ema_rig_result(&session, UINT32_MAX);
     feed(&worn);
     EMA_ASSERT_STATUS(EMA_OK, ema_session_run(&session, 12345U));
     copy = session;
     (void)memset(&session, 0xA5, sizeof session);
     session = copy;
-    const ema_result_t sliced = run(777U);
+    const ema_result_t sliced = ema_rig_result(&session, 777U);
     EMA_ASSERT_SAME_BITS(&whole, &sliced, sizeof whole);
 }
 

@@ -49,21 +49,10 @@ static void init_and_feed(const ema_actuator_t* truth, uint32_t rows, ema_real n
     }
 }
 
-static ema_result_t run(ema_session_t* any, uint32_t steps)
-{
-    ema_result_t result;
-    (void)memset(&result, 0, sizeof result);
-    while (ema_session_phase(any) != EMA_PHASE_DONE) {
-        EMA_ASSERT_STATUS(EMA_OK, ema_session_run(any, steps));
-    }
-    EMA_ASSERT_STATUS(EMA_OK, ema_session_result(any, &result));
-    return result;
-}
-
 static ema_result_t identify(const ema_actuator_t* truth, ema_real noise_mm)
 {
     init_and_feed(truth, ROWS_MAX, noise_mm);
-    return run(&session, UINT32_MAX);
+    return ema_rig_result(&session, UINT32_MAX);
 }
 
 /* The three cases of the paper from the healthy values, as exactly as by the annealer, in a tenth of its runs. */
@@ -154,7 +143,7 @@ static void test_the_budget_holds_for_both_stages(void)
     for (uint32_t budget = 1U; budget < 14U; budget += 3U) {
         config.annealer.evaluation_budget = budget;
         init_and_feed(&truth, 1000U, EMA_R(0.0));
-        const ema_result_t result = run(&session, UINT32_MAX);
+        const ema_result_t result = ema_rig_result(&session, UINT32_MAX);
         /* the assessment comes on top, as with the annealer alone, and the healthy run where it is no candidate */
         TEST_ASSERT_TRUE(result.evaluations <= (budget + 4U));
         TEST_ASSERT_EQUAL_INT(EMA_OUTCOME_BUDGET, result.outcome);
@@ -181,7 +170,7 @@ static void test_slices_and_copies_change_no_bit(void)
             /* found at once */
         }
         init_and_feed(&truth, 1000U, EMA_R(0.0));
-        const ema_result_t whole = run(&session, UINT32_MAX);
+        const ema_result_t whole = ema_rig_result(&session, UINT32_MAX);
         const uint32_t slices[4] = {1U, 7U, 250U, 1000U};
         for (uint32_t k = 0; k < 4U; ++k) {
             init_and_feed(&truth, 1000U, EMA_R(0.0));
@@ -190,7 +179,7 @@ static void test_slices_and_copies_change_no_bit(void)
             }
             copy = session;
             (void)memset(&session, 0xA5, sizeof session);
-            const ema_result_t sliced = run(&copy, slices[k]);
+            const ema_result_t sliced = ema_rig_result(&copy, slices[k]);
             EMA_ASSERT_SAME_BITS(&whole, &sliced, sizeof whole);
         }
     }
@@ -223,7 +212,7 @@ static void test_four_values_are_found_and_the_stage_is_named_meanwhile(void)
     EMA_ASSERT_STATUS(EMA_OK, ema_session_result(&session, &result));
     TEST_ASSERT_EQUAL_INT(EMA_STAGE_LEAST_SQUARES, result.stage);
     TEST_ASSERT_EQUAL_HEX32(EMA_REASON_NOT_FINISHED, result.reasons);
-    result = run(&session, 5000U);
+    result = ema_rig_result(&session, 5000U);
     TEST_ASSERT_EQUAL_INT(EMA_STAGE_LEAST_SQUARES, result.stage);
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_FAULT, result.verdict);
     const double expected_percent[4] = {40.0, 100.0, 60.0, -8.0};
@@ -241,10 +230,10 @@ static void test_a_placed_start_is_where_the_descent_begins(void)
     const ema_actuator_t truth = worn(EMA_R(0.2), EMA_R(0.05));
     const ema_real value[EMA_IDENTIFIED_MAX] = {EMA_R(0.199), EMA_R(0.0502)};
     init_and_feed(&truth, ROWS_MAX, EMA_R(0.0));
-    const ema_result_t healthy_start = run(&session, UINT32_MAX);
+    const ema_result_t healthy_start = ema_rig_result(&session, UINT32_MAX);
     init_and_feed(&truth, ROWS_MAX, EMA_R(0.0));
     ema_session_place_start(&session, value);
-    const ema_result_t placed = run(&session, 1000U);
+    const ema_result_t placed = ema_rig_result(&session, 1000U);
     TEST_ASSERT_TRUE(placed.evaluations < healthy_start.evaluations);
     EMA_ASSERT_CLOSE((double)healthy_start.objective_before, (double)placed.objective_before, 0.0, 1.0e-6);
     EMA_ASSERT_CLOSE(0.2, (double)placed.identified[0].estimate, 2.0e-5, 0.0);
@@ -270,7 +259,7 @@ static void test_undecided_when_nothing_moved(void)
     for (uint32_t row = 0; row < 200U; ++row) {
         EMA_ASSERT_STATUS(EMA_OK, ema_session_feed(&session, &still));
     }
-    const ema_result_t result = run(&session, UINT32_MAX);
+    const ema_result_t result = ema_rig_result(&session, UINT32_MAX);
     TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
     TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
 }
@@ -289,7 +278,7 @@ static void test_other_values_or_weights_between_slices_decide_nothing(void)
         } else {
             config.weight[EMA_CHANNEL_POSITION] = EMA_R(0.0);
         }
-        const ema_result_t result = run(&session, 1000U);
+        const ema_result_t result = ema_rig_result(&session, 1000U);
         TEST_ASSERT_EQUAL_INT(EMA_VERDICT_UNDECIDED, result.verdict);
         TEST_ASSERT_BITS_HIGH(EMA_REASON_NOT_SENSITIVE, result.reasons);
     }

@@ -185,12 +185,8 @@ def besides(actuator: Actuator) -> tuple[Spread, ...]:
     ]
     every = [*(one for one in shares if actuator[one.title] != 0.0), *in_unit]
     warmer = Spread(tuple(PER_DEGC), DAY_DEGC, True, tuple(PER_DEGC.values()), TEMPERATURE)
-    return (warmer, *(one for one in (asked(ASKED_VARIES), *every) if not set(one.names) & set(actuator.scatter)))
-
-
-def asked(std: float) -> Spread:
-    """A supply that gives another voltage than the one of which the recorded voltage is asked, by `std`, relative."""
-    return Spread(("drive.supply_V",), std, True, cause=ASKED)
+    asked = Spread(("drive.supply_V",), ASKED_VARIES, True, cause=ASKED)
+    return (warmer, *(one for one in (asked, *every) if not set(one.names) & set(actuator.scatter)))
 
 
 def from_day_to_day(actuator: Actuator) -> tuple[Spread, ...]:

@@ -49,7 +49,7 @@ class DiagnosisResult:
     error: WeightedErrors
     next_experiment: str = ""  # what to do next
     unexplained: float | None = None  # share of the excess that stays, 0..1
-    # probability of a cause that the library does not hold, 0..1; without baseline records
+    # probability of a cause that the library does not hold, 0..1; by simulation
     unnamed: float | None = field(default=None, metadata=SPARE)
     steps: tuple[StepEntry, ...] = ()
     gate: Validity = field(default_factory=Validity)

@@ -143,7 +143,7 @@ class EffectEntry:
     score: float  # what it takes off: units of cost, or squared % of the held-out force
     limit: float  # what it must take off, alike
     accepted: bool
-    # that it is there, look-alikes included, 0..1; without baseline records, by simulation
+    # that it is there, look-alikes included, 0..1; by simulation
     probability: float | None = field(default=None, metadata=SPARE)
     reason: str | None = field(default=None, metadata=SPARE)  # why it was refused
     # of a changed CSJ or BLK: in % of the healthy machine's, with the ends of its 95 % interval

@@ -6,12 +6,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from ema_tools.base.progress import Report, untold
+from ema_tools.fit.confounded import confounded_with
 from ema_tools.fit.evidence import FAR, FAR_ROUNDS, Evidence, settled
 from ema_tools.fit.misfit import misfit
 from ema_tools.fit.nuisance import ASKED, are_slight
 from ema_tools.fit.refit import seen_from
-from ema_tools.library.faults import FAULTS
-from ema_tools.library.registry import record_of, records
+from ema_tools.library.faults import FAULTS, effect_of
+from ema_tools.library.registry import record_of
 from ema_tools.select.baseline import granting, with_noise_of
 from ema_tools.select.outcome import Diagnosis, Named
 from ema_tools.select.search import diagnose
@@ -19,7 +20,7 @@ from ema_tools.select.sensors import Suspect, suspect
 from ema_tools.select.strategies.strategy import LEAST_LIMIT
 
 _SUPPLY_ROUNDS = 3  # of the search with the voltage that was given, as each finds it [effort]
-_OF_NO_DAY = 7.5  # standard deviations of a day's supply at which a cause of another one is more probable [chance]
+_OTHER_SUPPLY = 7.5  # standard deviations of a day's supply at which a cause of another one is more probable [chance]
 
 
 def diagnosed(evidence: Evidence, report: Report = untold, only: Collection[str] | None = None) -> tuple[Evidence, Diagnosis]:
@@ -49,9 +50,8 @@ def diagnosed(evidence: Evidence, report: Report = untold, only: Collection[str]
 
 def _on_its_supply(evidence: Evidence, found: Diagnosis, report: Report, only: Collection[str] | None) -> tuple[Evidence, Diagnosis]:
     """The same, or where the recorded voltage seems to be asked of a supply that gives another one than on any day, the search with the voltage that was given, if that names the supply besides."""
-    supply = {name for name, one in records().items() if one.confounded is not None and one.confounded.parameter == "drive.supply_V"}
-    must = supply | {one.name for one in found.named if one.accepted}
-    least = _OF_NO_DAY
+    must = {*map(effect_of, confounded_with("drive.supply_V")), *(one.name for one in found.named if one.accepted)}
+    least = _OTHER_SUPPLY
     for _ in range(_SUPPLY_ROUNDS):
         beyond, std = _beyond_its_supply(evidence, found)
         if abs(beyond) < least:

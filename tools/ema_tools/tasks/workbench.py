@@ -13,7 +13,7 @@ from ema_tools.data.actuator import Actuator, row_of
 from ema_tools.data.records import Record
 from ema_tools.design.typical import typical_change
 from ema_tools.fit.evidence import Evidence, slope_step
-from ema_tools.fit.nuisance import ASKED, Spread
+from ema_tools.fit.nuisance import ASKED, GAIN_SHARE, Spread
 from ema_tools.fit.whitening import counted
 from ema_tools.library.definitions import load_definitions
 from ema_tools.library.faults import FAULTS
@@ -59,7 +59,7 @@ def _weighed(evidence: Evidence) -> WeighedEntry:
         place = int(np.argmax(np.max(np.abs(signals), axis=1)))
         name = evidence.channels[place]
         if np.ptp(signals[place]) > 0.0:
-            gains[name] = float(np.ptp(signals[place]) / np.ptp(evidence.target[place]))
+            gains[name] = GAIN_SHARE[name]
         else:
             zeros[name] = float(signals[place, 0])
     # the recorded voltage alone is where the page has what it is asked of

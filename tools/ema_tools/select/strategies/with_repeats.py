@@ -71,7 +71,8 @@ class WithRepeats(Strategy):
         beyond = sorted((place for place in range(len(vary)) if abs(far[place]) > _OF_NO_DAY), key=lambda place: -abs(far[place]))
         causes = [one for place in beyond if (one := self._doing_as(vary[place], float(far[place])))][: self.limits.effects]
         sets = (some for count in range(1, len(causes) + 1) for some in itertools.combinations(causes, count))
-        found = fits_from(partial(_polished_from, self.start), [dict(itertools.chain(*(one.items() for one in some))) for some in sets])
+        starts = [{name: value for one in some for name, value in one.items()} for some in sets]
+        found = fits_from(partial(_polished_from, self.start), starts)
         best = min(found, key=lambda fit: fit.judged, default=None)
         return [*found, *(grow(begun_with(best, path), len(best.effects) + 1).steps if best is not None else ())]
 
